@@ -1,0 +1,74 @@
+//! 8-bit sRGB in files and memory, linear light in all arithmetic.
+
+use std::sync::LazyLock;
+
+/// Linear light, straight (not premultiplied) alpha: red, green, blue, alpha in \[0, 1\].
+pub type LinearRgba = [f32; 4];
+
+static LINEAR: LazyLock<[f32; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|i| {
+        #[allow(clippy::cast_precision_loss)] // i < 256
+        let s = i as f64 / 255.0;
+        let l = if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) };
+        #[allow(clippy::cast_possible_truncation)]
+        let l = l as f32;
+        l
+    })
+});
+
+/// The table from an 8-bit sRGB channel to linear light, for inner loops.
+#[must_use]
+pub fn linear_table() -> &'static [f32; 256] {
+    &LINEAR
+}
+
+/// Linear light of an 8-bit sRGB channel (IEC 61966-2-1).
+#[must_use]
+pub fn linear_from_srgb(channel: u8) -> f32 {
+    LINEAR[channel as usize]
+}
+
+/// The nearest 8-bit sRGB channel of linear light; out of range is clamped.
+#[must_use]
+pub fn srgb_from_linear(linear: f32) -> u8 {
+    let l = linear.clamp(0.0, 1.0);
+    let s = if l <= 0.003_130_8 { l * 12.92 } else { 1.055 * l.powf(1.0 / 2.4) - 0.055 };
+    byte(s)
+}
+
+/// The nearest byte of a value in \[0, 1\].
+#[must_use]
+pub fn byte(value: f32) -> u8 {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // clamped
+    let b = (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+    b
+}
+
+/// Linear light of 8-bit sRGB with linear alpha.
+#[must_use]
+pub fn decode(c: [u8; 4]) -> LinearRgba {
+    [LINEAR[c[0] as usize], LINEAR[c[1] as usize], LINEAR[c[2] as usize], f32::from(c[3]) / 255.0]
+}
+
+/// 8-bit sRGB with linear alpha of linear light.
+#[must_use]
+pub fn encode(c: LinearRgba) -> [u8; 4] {
+    [srgb_from_linear(c[0]), srgb_from_linear(c[1]), srgb_from_linear(c[2]), byte(c[3])]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_byte_survives_the_round_trip() {
+        for b in 0..=255u8 {
+            assert_eq!(srgb_from_linear(linear_from_srgb(b)), b);
+        }
+    }
+
+    #[test]
+    fn middle_grey_is_a_fifth_of_the_light() {
+        assert!((linear_from_srgb(118) - 0.18).abs() < 0.003);
+    }
+}

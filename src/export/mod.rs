@@ -1,0 +1,1 @@
+//! Files for other programs: GLB with a baked atlas, PLY with vertex colours.

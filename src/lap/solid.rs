@@ -1,0 +1,109 @@
+//! A lapped solid: a tetrahedral mesh, its exemplars and its patches \[LST 5.1\].
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::colour::LinearRgba;
+use crate::mesh::TetMesh;
+use crate::volume::{AlphaMask, SolidTexture};
+
+/// One pasted copy of a solid texture. Its place in [`LappedSolid::patches`] is the pasting order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Patch {
+    /// Index into [`LappedSolid::exemplars`].
+    pub exemplar: u32,
+    /// Index into [`LappedSolid::masks`].
+    pub mask: u32,
+}
+
+/// A tetrahedral mesh filled with overlapping patches of solid texture (the paper's LST model).
+#[derive(Debug, Clone, PartialEq)]
+pub struct LappedSolid {
+    /// The tetrahedra.
+    pub mesh: TetMesh,
+    /// Depth at each vertex: 0 outside, 1 innermost; all 0 where the type has none. Length V.
+    pub depth: Vec<f64>,
+    /// R, S, T at each vertex, in world lengths of one unit of texture space. Length V.
+    pub frame: Vec<[DVec3; 3]>,
+    /// The layers of tetrahedron t are `layer_start[t]..layer_start[t + 1]`, oldest first. Length T + 1.
+    pub layer_start: Vec<u32>,
+    /// The patch of each layer. Length L.
+    pub layer_patch: Vec<u32>,
+    /// Texture coordinates of each layer at the tetrahedron's four vertices. Length L.
+    pub layer_uvw: Vec<[[f32; 3]; 4]>,
+    /// The patches, in pasting order.
+    pub patches: Vec<Patch>,
+    /// The solid textures that are pasted.
+    pub exemplars: Vec<Arc<SolidTexture>>,
+    /// The masks through which they are pasted.
+    pub masks: Vec<Arc<AlphaMask>>,
+    /// For each tetrahedron the tetrahedron of the uncut model that it is part of. Length T.
+    pub tet_origin: Vec<u32>,
+    /// How many cuts the model has been through; cut faces number them from 0.
+    pub cuts: u32,
+    /// The settings that made it, for the record: JSON, never a path or a time.
+    pub settings: serde_json::Value,
+}
+
+impl LappedSolid {
+    /// The layers of tetrahedron `t`, as a range into `layer_patch` and `layer_uvw`, oldest first.
+    #[must_use]
+    pub fn layers(&self, t: usize) -> std::ops::Range<usize> {
+        self.layer_start[t] as usize..self.layer_start[t + 1] as usize
+    }
+
+    /// The heart of Lapis: the colour at barycentric coordinates in a tetrahedron, in linear light with
+    /// straight alpha.
+    ///
+    /// From oldest to newest layer, with m the mask and (c, a) the exemplar's colour and alpha:
+    /// X ← X(1−m) + m·(c·a, a), M ← M(1−m) + m. The result is X / M; where M < 1/255 the oldest layer's
+    /// own colour; without any layer, clear black. Computed from the newest layer down, so that it stops
+    /// at the first opaque one.
+    #[must_use]
+    pub fn colour(&self, tet: usize, barycentric: [f32; 4]) -> LinearRgba {
+        let layers = self.layers(tet);
+        let mut x = [0.0f32; 4];
+        let mut covered = 0.0f32;
+        let mut clear = 1.0f32;
+        for layer in layers.clone().rev() {
+            let uvw = interpolate(&self.layer_uvw[layer], barycentric);
+            let patch = self.patches[self.layer_patch[layer] as usize];
+            let m = self.masks[patch.mask as usize].sample(uvw);
+            if m <= 0.0 {
+                continue;
+            }
+            let c = self.exemplars[patch.exemplar as usize].sample(uvw);
+            let w = clear * m;
+            for n in 0..3 {
+                x[n] += w * c[n] * c[3];
+            }
+            x[3] += w * c[3];
+            covered += w;
+            clear *= 1.0 - m;
+            if clear <= 0.0 {
+                break;
+            }
+        }
+        if covered < 1.0 / 255.0 {
+            return match layers.clone().next() {
+                Some(oldest) => {
+                    let patch = self.patches[self.layer_patch[oldest] as usize];
+                    let uvw = interpolate(&self.layer_uvw[oldest], barycentric);
+                    self.exemplars[patch.exemplar as usize].sample(uvw)
+                }
+                None => [0.0; 4],
+            };
+        }
+        if x[3] <= 0.0 {
+            return [0.0; 4];
+        }
+        [x[0] / x[3], x[1] / x[3], x[2] / x[3], x[3] / covered]
+    }
+}
+
+/// Texture coordinates at a point of a tetrahedron.
+#[must_use]
+pub fn interpolate(uvw: &[[f32; 3]; 4], b: [f32; 4]) -> [f32; 3] {
+    std::array::from_fn(|n| b[0] * uvw[0][n] + b[1] * uvw[1][n] + b[2] * uvw[2][n] + b[3] * uvw[3][n])
+}

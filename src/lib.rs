@@ -1,0 +1,29 @@
+//! Lapis fills the inside of a mesh with solid texture, cuts it open along a stroke, and exports what the cut shows.
+//!
+//! Data flows one way; each room below reads only rooms above it:
+//!
+//! | room | makes |
+//! |---|---|
+//! | [`exec`], [`files`], [`colour`], [`solve`] | progress and cancelling, whole-or-not-at-all files, sRGB, sparse solves |
+//! | [`view`] | cameras and strokes on their screen |
+//! | [`mesh`] | [`mesh::TriMesh`] from files, [`mesh::TetMesh`] from it |
+//! | [`volume`] | [`volume::SolidTexture`], [`volume::AlphaMask`] |
+//! | [`field`] | depth, direction and scale over a tetrahedral mesh |
+//! | [`lap`] | [`lap::LappedSolid`]: the mesh filled with overlapping patches |
+//! | [`cut`] | pieces, each a whole lapped solid |
+//! | [`render`], [`export`] | pictures; GLB and PLY |
+//! | [`project`] | the TOML file that names all inputs, and its run |
+
+pub mod colour;
+pub mod cut;
+pub mod exec;
+pub mod export;
+pub mod field;
+pub mod files;
+pub mod lap;
+pub mod mesh;
+pub mod project;
+pub mod render;
+pub mod solve;
+pub mod view;
+pub mod volume;

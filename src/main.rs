@@ -1,0 +1,3 @@
+//! The `lapis` program.
+
+fn main() {}

@@ -1,0 +1,1 @@
+//! Pictures of lapped solids, without a GPU.

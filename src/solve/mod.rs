@@ -1,0 +1,131 @@
+//! Sparse symmetric positive definite systems: assemble, factor once, solve many right-hand sides.
+//!
+//! Everything here is sequential on purpose: a parallel sum rounds differently from run to run, and
+//! Lapis gives the same bytes at any thread count. Stages run many such solves side by side instead.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, factorize_symbolic_cholesky};
+use faer::sparse::{SparseColMat, Triplet};
+use faer::{Conj, MatMut, Par, Side};
+
+/// Why a system could not be solved.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum SolveError {
+    /// The matrix has a zero or negative pivot: something is unconstrained.
+    #[error("the {size}×{size} system is not positive definite")]
+    NotPositiveDefinite {
+        /// Number of unknowns.
+        size: usize,
+    },
+    /// The factor does not fit into memory.
+    #[error("the {size}×{size} system is too large for the memory at hand")]
+    OutOfMemory {
+        /// Number of unknowns.
+        size: usize,
+    },
+}
+
+/// One entry of a matrix: row, column, value. Entries at one place add up.
+pub type Entry = Triplet<usize, usize, f64>;
+
+/// A Cholesky factor L Lᵀ of a sparse symmetric positive definite matrix.
+pub struct SpdFactor {
+    symbolic: SymbolicCholesky<usize>,
+    numeric: Vec<f64>,
+    size: usize,
+}
+
+impl SpdFactor {
+    /// Factors the `size`×`size` matrix whose *lower triangle* (row ≥ column) is the sum of `lower`.
+    ///
+    /// # Errors
+    /// [`SolveError`] where the matrix is not positive definite or too large.
+    ///
+    /// # Panics
+    /// Where an entry lies outside the matrix.
+    pub fn new(size: usize, lower: &[Entry]) -> Result<Self, SolveError> {
+        let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(size, size, lower)
+            .map_err(|_| SolveError::OutOfMemory { size })?;
+        let oom = |_| SolveError::OutOfMemory { size };
+        let symbolic = factorize_symbolic_cholesky(
+            matrix.symbolic(),
+            Side::Lower,
+            Default::default(),
+            Default::default(),
+        )
+        .map_err(oom)?;
+        let mut numeric = vec![0.0; symbolic.len_val()];
+        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let mut memory = MemBuffer::try_new(scratch).map_err(|_| SolveError::OutOfMemory { size })?;
+        symbolic
+            .factorize_numeric_llt::<f64>(
+                &mut numeric,
+                matrix.as_ref(),
+                Side::Lower,
+                Default::default(),
+                Par::Seq,
+                MemStack::new(&mut memory),
+                Default::default(),
+            )
+            .map_err(|_| SolveError::NotPositiveDefinite { size })?;
+        Ok(Self { symbolic, numeric, size })
+    }
+
+    /// Number of unknowns.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// Solves in place for `columns` right-hand sides stored one after another.
+    ///
+    /// # Panics
+    /// Where `rhs.len()` is not `size() * columns`.
+    pub fn solve(&self, rhs: &mut [f64], columns: usize) {
+        assert_eq!(rhs.len(), self.size * columns, "right-hand side of another size");
+        let scratch = self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq);
+        let mut memory = MemBuffer::new(scratch);
+        let rhs = MatMut::from_column_major_slice_mut(rhs, self.size, columns);
+        LltRef::<'_, usize, f64>::new(&self.symbolic, &self.numeric).solve_in_place_with_conj(
+            Conj::No,
+            rhs,
+            Par::Seq,
+            MemStack::new(&mut memory),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn solves_the_discrete_poisson_problem() {
+        // −u″ = 2 on (0, 1) with u = 0 at both ends has the solution x(1−x), exact at the nodes.
+        let n = 99;
+        let h = 1.0 / 100.0;
+        let mut lower = Vec::new();
+        for i in 0..n {
+            lower.push(Entry::new(i, i, 2.0 / (h * h)));
+            if i > 0 {
+                lower.push(Entry::new(i, i - 1, -1.0 / (h * h)));
+            }
+        }
+        let factor = SpdFactor::new(n, &lower).unwrap();
+        let mut u = vec![2.0; 2 * n];
+        u[n..].fill(4.0);
+        factor.solve(&mut u, 2);
+        for i in 0..n {
+            #[allow(clippy::cast_precision_loss)]
+            let x = (i + 1) as f64 * h;
+            assert!((u[i] - x * (1.0 - x)).abs() < 1e-10);
+            assert!((u[n + i] - 2.0 * x * (1.0 - x)).abs() < 1e-10);
+        }
+    }
+
+    #[test]
+    fn an_indefinite_matrix_is_an_error() {
+        let lower = [Entry::new(0, 0, 1.0), Entry::new(1, 1, -1.0)];
+        assert_eq!(SpdFactor::new(2, &lower).err(), Some(SolveError::NotPositiveDefinite { size: 2 }));
+    }
+}

@@ -1,0 +1,73 @@
+//! The opacity of a patch over texture space.
+
+use super::texture::{Tap, VolumeError, checked_voxels};
+
+/// A mask: a block of 8-bit opacities over the unit cube of texture space, x fastest; 0 outside the cube.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct AlphaMask {
+    size: [u32; 3],
+    alpha: Vec<u8>,
+}
+
+impl AlphaMask {
+    /// A mask of `size` voxels.
+    ///
+    /// # Errors
+    /// [`VolumeError`] where size and data do not fit.
+    pub fn new(size: [u32; 3], alpha: Vec<u8>) -> Result<Self, VolumeError> {
+        let expected = checked_voxels(size.map(u64::from))?;
+        if alpha.len() != expected {
+            return Err(VolumeError::Length { expected, found: alpha.len() });
+        }
+        Ok(Self { size, alpha })
+    }
+
+    /// Voxels along x, y, z.
+    #[must_use]
+    pub fn size(&self) -> [u32; 3] {
+        self.size
+    }
+
+    /// The opacities, x fastest.
+    #[must_use]
+    pub fn alpha(&self) -> &[u8] {
+        &self.alpha
+    }
+
+    /// Trilinear opacity in \[0, 1\] at a point of texture space; 0 outside the closed unit cube.
+    #[must_use]
+    pub fn sample(&self, uvw: [f32; 3]) -> f32 {
+        if !uvw.iter().all(|u| (0.0..=1.0).contains(u)) {
+            return 0.0;
+        }
+        let x = Tap::new(uvw[0], self.size[0], false);
+        let y = Tap::new(uvw[1], self.size[1], false);
+        let z = Tap::new(uvw[2], self.size[2], false);
+        let (nx, ny) = (self.size[0] as usize, self.size[1] as usize);
+        let at = |i: usize, j: usize, k: usize| f32::from(self.alpha[(k * ny + j) * nx + i]);
+        let row = |j: usize, k: usize| {
+            let (a, b) = (at(x.lo, j, k), at(x.hi, j, k));
+            a + (b - a) * x.t
+        };
+        let plane = |k: usize| {
+            let (a, b) = (row(y.lo, k), row(y.hi, k));
+            a + (b - a) * y.t
+        };
+        let (a, b) = (plane(z.lo), plane(z.hi));
+        // The lerp above is exact where all corners agree, so an opaque voxel block gives exactly 1.
+        (a + (b - a) * z.t) / 255.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn opaque_inside_nothing_outside() {
+        let m = AlphaMask::new([2; 3], vec![255; 8]).unwrap();
+        assert_eq!(m.sample([0.3, 0.9, 1.0]), 1.0);
+        assert_eq!(m.sample([0.3, 1.001, 0.5]), 0.0);
+        assert_eq!(m.sample([f32::NAN, 0.5, 0.5]), 0.0);
+    }
+}

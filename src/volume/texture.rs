@@ -1,0 +1,196 @@
+//! A voxel block of colours.
+
+use crate::colour::{LinearRgba, linear_table};
+
+/// The most voxels along one axis.
+pub const MAX_SIDE: u32 = 4096;
+/// The most voxels in all (2³⁰).
+pub const MAX_VOXELS: u64 = 1 << 30;
+
+/// Numbers that do not make a volume.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum VolumeError {
+    /// A side of 0 voxels or too many.
+    #[error("a volume of {}×{}×{} voxels: each side must have 1 to {MAX_SIDE} voxels, all together at most {MAX_VOXELS}", .0[0], .0[1], .0[2])]
+    Size([u64; 3]),
+    /// Data of another length than the size says.
+    #[error("{found} voxels of data where the size says {expected}")]
+    Length {
+        /// Voxels that the size promises.
+        expected: usize,
+        /// Voxels that are there.
+        found: usize,
+    },
+}
+
+/// Checks the sides of a volume *before* anything is allocated and gives the number of voxels.
+///
+/// # Errors
+/// [`VolumeError::Size`].
+pub fn checked_voxels(size: [u64; 3]) -> Result<usize, VolumeError> {
+    let good = size.iter().all(|&s| s >= 1 && s <= u64::from(MAX_SIDE));
+    let total = size.iter().fold(1u64, |n, &s| n.saturating_mul(s));
+    if !good || total > MAX_VOXELS {
+        return Err(VolumeError::Size(size));
+    }
+    usize::try_from(total).map_err(|_| VolumeError::Size(size))
+}
+
+/// A solid texture: a block of RGBA voxels, 8 bits a channel, sRGB with linear alpha.
+///
+/// Memory order is x fastest. Texture space is the unit cube; voxel (i, j, k) has its centre at
+/// ((i+½)/nx, (j+½)/ny, (k+½)/nz). y is the axis along which depth runs.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SolidTexture {
+    size: [u32; 3],
+    voxels: Vec<[u8; 4]>,
+    tiles: [bool; 3],
+}
+
+impl SolidTexture {
+    /// A texture of `size` voxels; `tiles` says along which of x, y, z it wraps around.
+    ///
+    /// # Errors
+    /// [`VolumeError`] where size and data do not fit.
+    pub fn new(size: [u32; 3], voxels: Vec<[u8; 4]>, tiles: [bool; 3]) -> Result<Self, VolumeError> {
+        let expected = checked_voxels(size.map(u64::from))?;
+        if voxels.len() != expected {
+            return Err(VolumeError::Length { expected, found: voxels.len() });
+        }
+        Ok(Self { size, voxels, tiles })
+    }
+
+    /// Voxels along x, y, z.
+    #[must_use]
+    pub fn size(&self) -> [u32; 3] {
+        self.size
+    }
+
+    /// The voxels, x fastest.
+    #[must_use]
+    pub fn voxels(&self) -> &[[u8; 4]] {
+        &self.voxels
+    }
+
+    /// Whether it wraps around along x, y, z.
+    #[must_use]
+    pub fn tiles(&self) -> [bool; 3] {
+        self.tiles
+    }
+
+    /// One voxel.
+    ///
+    /// # Panics
+    /// Outside the block.
+    #[must_use]
+    pub fn voxel(&self, i: u32, j: u32, k: u32) -> [u8; 4] {
+        let [nx, ny, nz] = self.size;
+        assert!(i < nx && j < ny && k < nz);
+        self.voxels[((k as usize * ny as usize) + j as usize) * nx as usize + i as usize]
+    }
+
+    /// Trilinear colour at a point of texture space, in linear light: wrapped on tiling axes, clamped
+    /// on the others. Colour and alpha are interpolated independently (alpha is straight).
+    #[must_use]
+    pub fn sample(&self, uvw: [f32; 3]) -> LinearRgba {
+        let x = Tap::new(uvw[0], self.size[0], self.tiles[0]);
+        let y = Tap::new(uvw[1], self.size[1], self.tiles[1]);
+        let z = Tap::new(uvw[2], self.size[2], self.tiles[2]);
+        let (nx, ny) = (self.size[0] as usize, self.size[1] as usize);
+        let table = linear_table();
+        let mut sum = [0.0f32; 4];
+        for (k, wz) in [(z.lo, 1.0 - z.t), (z.hi, z.t)] {
+            for (j, wy) in [(y.lo, 1.0 - y.t), (y.hi, y.t)] {
+                let row = (k * ny + j) * nx;
+                for (i, wx) in [(x.lo, 1.0 - x.t), (x.hi, x.t)] {
+                    let w = wx * wy * wz;
+                    let v = self.voxels[row + i];
+                    sum[0] += w * table[v[0] as usize];
+                    sum[1] += w * table[v[1] as usize];
+                    sum[2] += w * table[v[2] as usize];
+                    sum[3] += w * f32::from(v[3]);
+                }
+            }
+        }
+        sum[3] /= 255.0;
+        sum
+    }
+}
+
+/// The two voxels around a coordinate, and the weight of the second.
+pub(super) struct Tap {
+    pub(super) lo: usize,
+    pub(super) hi: usize,
+    pub(super) t: f32,
+}
+
+impl Tap {
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_possible_wrap
+    )] // sides are at most 4096
+    pub(super) fn new(u: f32, n: u32, tiles: bool) -> Self {
+        let x = u * n as f32 - 0.5;
+        if tiles {
+            let f = x.floor();
+            let t = x - f;
+            let lo = (f as i64).rem_euclid(i64::from(n)) as usize;
+            let hi = if lo + 1 == n as usize { 0 } else { lo + 1 };
+            Self { lo, hi, t }
+        } else {
+            let x = x.clamp(0.0, (n - 1) as f32);
+            let lo = x as usize;
+            Self { lo, hi: (lo + 1).min(n as usize - 1), t: x - lo as f32 }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::colour::decode;
+
+    fn ramp() -> SolidTexture {
+        let voxels = (0..2u8)
+            .flat_map(|k| {
+                (0..3u8).flat_map(move |j| (0..4u8).map(move |i| [i * 60, j * 100, k * 200, 255 - i]))
+            })
+            .collect();
+        SolidTexture::new([4, 3, 2], voxels, [true, false, false]).unwrap()
+    }
+
+    #[test]
+    fn centres_give_their_own_voxel() {
+        let t = ramp();
+        let c = t.sample([1.5 / 4.0, 2.5 / 3.0, 0.25]);
+        let e = decode(t.voxel(1, 2, 0));
+        for n in 0..4 {
+            assert!((c[n] - e[n]).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn tiling_axes_wrap_and_others_clamp() {
+        let t = ramp();
+        for n in 0..4 {
+            assert!((t.sample([0.1, 0.5, 0.5])[n] - t.sample([3.1, 0.5, 0.5])[n]).abs() < 1e-5);
+            assert!((t.sample([0.1, -4.0, 0.5])[n] - t.sample([0.1, 0.0, 0.5])[n]).abs() < 1e-6);
+        }
+        // Half-way between the last and the first voxel.
+        let c = t.sample([0.0, 0.5, 0.25]);
+        let (a, b) = (decode(t.voxel(0, 1, 0)), decode(t.voxel(3, 1, 0)));
+        assert!((c[0] - 0.5 * (a[0] + b[0])).abs() < 1e-6);
+    }
+
+    #[test]
+    fn sizes_are_checked() {
+        assert!(matches!(SolidTexture::new([0, 1, 1], vec![], [true; 3]), Err(VolumeError::Size(_))));
+        assert!(matches!(
+            SolidTexture::new([2, 2, 2], vec![[0; 4]; 7], [true; 3]),
+            Err(VolumeError::Length { expected: 8, found: 7 })
+        ));
+        assert!(checked_voxels([1 << 40, 1 << 40, 1 << 40]).is_err());
+    }
+}
