@@ -1,3 +1,7 @@
-//! The `lapis` program.
+//! The `lapis` program: a thin skin over the library.
 
-fn main() {}
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

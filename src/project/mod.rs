@@ -1,1 +1,24 @@
-//! The project file, and how it is run.
+//! The project file: a TOML file that names all inputs, and how it is run.
+//!
+//! [`Project::read`] reads and checks it, [`run()`] does all that it asks for. [`fill_part`] is the middle
+//! of that: a mesh file, a volume and what is painted, to a [`LappedSolid`](crate::lap::LappedSolid).
+//! Every key is listed in `docs/project-file.md`.
+
+mod check;
+mod file;
+mod output;
+mod part;
+mod plan;
+mod problem;
+mod report;
+mod run;
+mod unknown;
+
+pub use file::{CutEntry, ExportEntry, ExportFormat, PictureEntry};
+pub use output::{OutputError, OutputFile, OutputFolder};
+pub use part::{DepthInput, DirectionInput, Part, PartError, ScaleInput, fill_part, is_tet_file, tet_mesh};
+pub use plan::{Along, Cut, Model, Picture, Project};
+pub use problem::{ProjectError, ProjectProblem};
+pub use report::{Output, Report};
+pub use run::{REPORT_FILE, RunError, RunOptions, apart, run};
+pub use unknown::Complaint;

@@ -1,0 +1,87 @@
+//! `lapis fill`
+
+use std::path::PathBuf;
+
+use glam::DVec3;
+use lapis::field::{DepthPaint, DepthParams, DepthStroke};
+use lapis::lap::{FillParams, TextureType};
+use lapis::mesh::TetParams;
+use lapis::project::{DepthInput, DirectionInput, OutputFile, Part, PartError, ScaleInput, fill_part};
+
+use super::failure::Failure;
+use super::options::{Session, Shared};
+use super::values::{self, Polyline};
+
+/// `lapis fill MESH --texture VOLUME --type T … -o MODEL.lapis`
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The mesh: OBJ, STL, PLY, OFF, GLB, glTF, or tetrahedra (.node, .ele)
+    mesh: PathBuf,
+    /// The solid texture: an .nrrd file, or a folder of PNG slices along z
+    #[arg(long, value_name = "VOLUME")]
+    texture: PathBuf,
+    /// The texture's type: 0 (isotropic), 1a (along a direction), 2b (with depth, along a direction)
+    #[arg(long = "type", value_name = "T")]
+    kind: TextureType,
+    /// Types 1a, 2b: where the texture's x axis runs
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
+    direction: Option<DVec3>,
+    /// Types 0, 1a: the length, in the mesh's unit, that one unit of texture covers
+    #[arg(long, value_name = "LENGTH", value_parser = values::length, allow_hyphen_values = true)]
+    scale: Option<f64>,
+    /// Type 2b: points x,y,z,… along the innermost line, where depth is 1; may be given again
+    #[arg(long, value_name = "X,Y,Z,…", value_parser = values::polyline, allow_hyphen_values = true)]
+    core: Vec<Polyline>,
+    /// Type 2b: the depth of the mesh's surface [default: 0]
+    #[arg(long, value_name = "DEPTH", value_parser = values::depth, allow_hyphen_values = true, requires = "core")]
+    skin: Option<f64>,
+    #[command(flatten)]
+    tets: TetParams,
+    #[command(flatten)]
+    fill: FillParams,
+    /// The filled model
+    #[arg(long, short, value_name = "MODEL.lapis")]
+    output: PathBuf,
+    #[command(flatten)]
+    shared: Shared,
+}
+
+impl Args {
+    fn part(self) -> Part {
+        let strokes: Vec<DepthStroke> =
+            self.core.into_iter().map(|line| DepthStroke { points: line.0, depth: 1.0 }).collect();
+        let depth = (!strokes.is_empty()).then(|| DepthInput {
+            paint: DepthPaint { skin: Some(self.skin.unwrap_or(0.0)), strokes },
+            params: DepthParams::default(),
+        });
+        Part {
+            mesh: self.mesh,
+            tets: self.tets,
+            volume: self.texture,
+            kind: self.kind,
+            depth,
+            direction: self.direction.map(DirectionInput::Constant),
+            scale: self.scale.map(|everywhere| ScaleInput { everywhere, at: Vec::new() }),
+            fill: self.fill,
+        }
+    }
+}
+
+pub(crate) fn main(args: Args) -> Result<(), Failure> {
+    let shared = args.shared.clone();
+    shared.run(|session| {
+        let output = args.output.clone();
+        let part = args.part();
+        part.check().map_err(|e| match e {
+            PartError::Needs { .. } | PartError::Takes { .. } => Failure::usage(e.to_string()),
+            e => e.into(),
+        })?;
+        let output = OutputFile::check(&output, shared.force)?;
+        let (solid, mut report) =
+            fill_part(&part, shared.seed.unwrap_or(0), &Session::mesher(), session.exec())?;
+        session.exec().check()?;
+        output.write(&solid.to_bytes())?;
+        report.output(output.path(), "lapped-solid");
+        session.finish(report)
+    })
+}

@@ -1,0 +1,249 @@
+//! `lapis info`
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use lapis::colour::encode;
+use lapis::files::read_whole;
+use lapis::lap::LappedSolid;
+use lapis::mesh::{FaceOrigin, TetMesh, TriMesh, clean, read_tets};
+use lapis::project::{Project, Report, is_tet_file};
+use lapis::view::{Camera, StrokeFile, read_camera};
+use lapis::volume::SolidTexture;
+use serde_json::{Value, json};
+
+use super::failure::Failure;
+use super::options::{Session, Shared, table};
+use super::values;
+
+/// `lapis info FILE`
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// A mesh, tetrahedra, a volume (.nrrd or a folder of slices), a .lapis model, or a project, stroke or
+    /// camera file (.toml)
+    file: PathBuf,
+    /// For a .lapis model: the tetrahedron, depth and colour at a point; may be given again
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    at: Vec<DVec3>,
+    #[command(flatten)]
+    shared: Shared,
+}
+
+/// What a file is, by its name and for TOML by its keys.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Mesh,
+    Tets,
+    Volume,
+    Solid,
+    Project,
+    Stroke,
+    Camera,
+}
+
+fn kind(path: &Path) -> Result<Kind, Failure> {
+    if path.is_dir() {
+        return Ok(Kind::Volume);
+    }
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+    match extension.as_str() {
+        "obj" | "stl" | "ply" | "off" | "glb" | "gltf" => Ok(Kind::Mesh),
+        _ if is_tet_file(path) => Ok(Kind::Tets),
+        "nrrd" => Ok(Kind::Volume),
+        "lapis" => Ok(Kind::Solid),
+        "toml" => {
+            let what = format!("cannot read {}", path.display());
+            let bytes = read_whole(path).map_err(Failure::because(what))?;
+            let keys = toml::from_str::<toml::Table>(&String::from_utf8_lossy(&bytes)).unwrap_or_default();
+            Ok(if keys.contains_key("points") {
+                Kind::Stroke
+            } else if keys.contains_key("camera") && !keys.contains_key("mesh") {
+                Kind::Camera
+            } else {
+                Kind::Project
+            })
+        }
+        _ => Err(Failure::usage(format!(
+            "cannot tell what '{}' is; Lapis reads .obj .stl .ply .off .glb .gltf (meshes), .node .ele \
+             (tetrahedra), .nrrd and folders of .png (volumes), .lapis (models) and .toml (projects, strokes, \
+             cameras)",
+            path.display()
+        ))),
+    }
+}
+
+pub(crate) fn main(args: &Args) -> Result<(), Failure> {
+    args.shared.run(|session| {
+        let path = &args.file;
+        let kind = kind(path)?;
+        if !args.at.is_empty() && kind != Kind::Solid {
+            return Err(Failure::usage(format!("--at asks a .lapis model; {} is none", path.display())));
+        }
+        let what = format!("cannot read {}", path.display());
+        let mut report = Report::default();
+        match kind {
+            Kind::Mesh => {
+                let mesh = lapis::mesh::read(path).map_err(Failure::because(what))?;
+                tri_mesh(&mut report, &mesh, session)?;
+            }
+            Kind::Tets => tet_mesh(&mut report, &read_tets(path).map_err(Failure::because(what))?),
+            Kind::Volume => volume(&mut report, &lapis::volume::read(path).map_err(Failure::because(what))?),
+            Kind::Solid => {
+                let solid = LappedSolid::read(path).map_err(Failure::because(what))?;
+                lapped_solid(&mut report, &solid, &args.at);
+            }
+            Kind::Project => project(&mut report, &Project::read(path)?),
+            Kind::Stroke => {
+                let file = StrokeFile::read(path).map_err(Failure::because(what))?;
+                report.measure("kind", "stroke");
+                report.count("points", file.stroke.points.len());
+                report.measure("closed", file.stroke.closed);
+                if let Some(c) = file.camera {
+                    camera(&mut report, &c);
+                }
+            }
+            Kind::Camera => {
+                let c = read_camera(path).map_err(Failure::because(what))?;
+                report.measure("kind", "camera");
+                camera(&mut report, &c);
+            }
+        }
+        session.answer(&text(path, &report), report)
+    })
+}
+
+/// What people read: the kind first, then the numbers, then the points asked for.
+fn text(path: &Path, report: &Report) -> String {
+    let mut measures = report.measures.clone();
+    let kind = measures.remove("kind");
+    let at = measures.remove("at");
+    let kind = kind.as_ref().and_then(Value::as_str).unwrap_or("file");
+    let mut text = format!("{}: {kind}\n", path.display());
+    table(&mut text, "  ", &report.counts);
+    table(&mut text, "  ", &measures);
+    for point in at.as_ref().and_then(Value::as_array).into_iter().flatten() {
+        if let Some(map) = point.as_object() {
+            text += "  at\n";
+            table(&mut text, "    ", map);
+        }
+    }
+    text
+}
+
+fn triple(v: DVec3) -> Value {
+    json!(v.to_array())
+}
+
+fn bounds(report: &mut Report, bounds: Option<(DVec3, DVec3)>) {
+    if let Some((min, max)) = bounds {
+        report.measure("min", triple(min));
+        report.measure("max", triple(max));
+    }
+}
+
+fn tri_mesh(report: &mut Report, mesh: &TriMesh, session: &Session) -> Result<(), Failure> {
+    report.measure("kind", "mesh");
+    report.count("vertices", mesh.vertices.len());
+    report.count("triangles", mesh.triangles.len());
+    bounds(report, mesh.bounds());
+    // A mesh of which cleaning leaves nothing has no more to tell.
+    match clean(mesh) {
+        Ok((mesh, cleaned)) => {
+            report.add(&cleaned);
+            report.measure("volume", mesh.volume());
+            let defects = lapis::mesh::defects(&mesh, session.exec())?;
+            report.measure("defects", if defects.is_empty() { "none".to_owned() } else { defects.to_string() });
+        }
+        Err(e) => report.measure("defects", e.to_string()),
+    }
+    Ok(())
+}
+
+fn tet_mesh(report: &mut Report, mesh: &TetMesh) {
+    report.measure("kind", "tetrahedra");
+    tets(report, mesh);
+}
+
+fn tets(report: &mut Report, mesh: &TetMesh) {
+    report.count("vertices", mesh.vertices.len());
+    report.count("tets", mesh.tets.len());
+    report.count("boundary_faces", mesh.boundary.len());
+    report.measure("volume", mesh.volume());
+    bounds(report, mesh.bounds());
+}
+
+fn volume(report: &mut Report, volume: &SolidTexture) {
+    report.measure("kind", "volume");
+    report.measure("size", json!(volume.size()));
+    let tiles: String = "xyz".chars().zip(volume.tiles()).filter(|(_, t)| *t).map(|(c, _)| c).collect();
+    report.measure("tiles", tiles);
+    report.count("voxels", volume.voxels().len());
+    let mut sum = [0u64; 4];
+    for voxel in volume.voxels() {
+        for (s, &c) in sum.iter_mut().zip(voxel) {
+            *s += u64::from(c);
+        }
+    }
+    #[allow(clippy::cast_precision_loss)] // at most 2³⁰ voxels of 8 bits
+    let mean = sum.map(|s| (s as f64 / volume.voxels().len() as f64).round());
+    report.measure("mean_colour", json!(mean));
+}
+
+fn lapped_solid(report: &mut Report, solid: &LappedSolid, at: &[DVec3]) {
+    report.measure("kind", "lapped solid");
+    tets(report, &solid.mesh);
+    let cut_faces = solid.mesh.boundary.iter().filter(|f| matches!(f.origin, FaceOrigin::Cut(_))).count();
+    report.count("cut_faces", cut_faces);
+    report.count("cuts", solid.cuts as usize);
+    report.count("patches", solid.patches.len());
+    report.count("exemplars", solid.exemplars.len());
+    report.count("masks", solid.masks.len());
+    let layers = (0..solid.mesh.tets.len()).map(|t| solid.layers(t).len());
+    report.count("layers_max", layers.max().unwrap_or(0));
+    #[allow(clippy::cast_precision_loss)]
+    let mean = solid.layer_patch.len() as f64 / solid.mesh.tets.len().max(1) as f64;
+    report.measure("layers_mean", mean);
+    report.measure("settings", solid.settings.clone());
+    if !at.is_empty() {
+        let points: Vec<Value> = at.iter().map(|&p| point(solid, p)).collect();
+        report.measure("at", points);
+    }
+}
+
+/// What the model is at a point; only the point itself where it lies outside.
+fn point(solid: &LappedSolid, p: DVec3) -> Value {
+    let Some((tet, barycentric)) = solid.locate(p) else {
+        return json!({ "point": p.to_array(), "tet": null });
+    };
+    let depth: f64 =
+        solid.mesh.tets[tet].iter().zip(barycentric).map(|(&v, b)| b * solid.depth[v as usize]).sum();
+    #[allow(clippy::cast_possible_truncation)] // texture coordinates are f32
+    let colour = encode(solid.colour(tet, barycentric.map(|b| b as f32)));
+    json!({
+        "point": p.to_array(),
+        "tet": tet,
+        "barycentric": barycentric,
+        "depth": depth,
+        "colour": colour,
+        "layers": solid.layers(tet).len(),
+    })
+}
+
+fn project(report: &mut Report, project: &Project) {
+    report.measure("kind", "project");
+    report.measure("name", project.name.as_str());
+    report.measure("type", project.part.kind.name());
+    report.measure("mesh", project.part.mesh.display().to_string());
+    report.measure("texture", project.part.volume.display().to_string());
+    report.measure("seed", project.seed);
+    report.count("cuts", project.cuts.len());
+    report.count("pictures", project.pictures.len());
+}
+
+fn camera(report: &mut Report, camera: &Camera) {
+    report.measure("eye", triple(camera.eye));
+    report.measure("target", triple(camera.target));
+    report.measure("up", triple(camera.up));
+    report.measure("fov_y_deg", camera.fov_y_deg);
+    report.measure("aspect", camera.aspect);
+}

@@ -1,0 +1,210 @@
+//! The project file as it is written: plain structures, with every key's default.
+
+use std::path::PathBuf;
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::export::AtlasParams;
+use crate::field::{DepthParams, DirectionParams};
+use crate::lap::{FillParams, TextureType};
+use crate::mesh::TetParams;
+use crate::render::RenderParams;
+use crate::view::Camera;
+
+/// The whole file.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ProjectFile {
+    pub(super) name: Option<String>,
+    #[serde(default)]
+    pub(super) seed: u64,
+    pub(super) mesh: MeshTable,
+    pub(super) texture: TextureTable,
+    pub(super) depth: Option<DepthTable>,
+    pub(super) direction: Option<DirectionTable>,
+    pub(super) scale: Option<ScaleTable>,
+    #[serde(default)]
+    pub(super) fill: FillParams,
+    #[serde(default)]
+    pub(super) cut: Vec<CutEntry>,
+    pub(super) picture: Option<Vec<PictureEntry>>,
+    #[serde(default)]
+    pub(super) export: ExportEntry,
+}
+
+/// `[mesh]`: what is filled.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MeshTable {
+    pub(super) file: PathBuf,
+    #[serde(default = "tets")]
+    pub(super) tets: usize,
+    #[serde(default)]
+    pub(super) keep_surface: bool,
+}
+
+fn tets() -> usize {
+    TetParams::default().tets
+}
+
+/// `[texture]`: what it is filled with.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct TextureTable {
+    pub(super) volume: PathBuf,
+    #[serde(rename = "type")]
+    pub(super) kind: TextureType,
+}
+
+/// `[depth]`: where the texture's second axis runs.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DepthTable {
+    pub(super) skin: Option<f64>,
+    #[serde(default)]
+    pub(super) stroke: Vec<DepthLine>,
+    #[serde(default)]
+    pub(super) fit: DepthParams,
+}
+
+/// `[[depth.stroke]]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DepthLine {
+    pub(super) depth: f64,
+    pub(super) points: Vec<DVec3>,
+}
+
+/// `[direction]`: where the texture's first axis runs.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DirectionTable {
+    pub(super) constant: Option<DVec3>,
+    #[serde(default)]
+    pub(super) stroke: Vec<DirectionLine>,
+    #[serde(default)]
+    pub(super) smooth: DirectionParams,
+}
+
+/// `[[direction.stroke]]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DirectionLine {
+    pub(super) points: Vec<DVec3>,
+}
+
+/// `[scale]`: how large the texture is.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ScaleTable {
+    pub(super) everywhere: f64,
+    #[serde(default)]
+    pub(super) at: Vec<ScalePoint>,
+}
+
+/// `[[scale.at]]`.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ScalePoint {
+    pub(super) point: DVec3,
+    pub(super) scale: f64,
+}
+
+/// `[[cut]]`: one cut, made in the order of the file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CutEntry {
+    /// Its name: its pieces are `NAME/1`, `NAME/2`, … by falling volume.
+    pub name: String,
+    /// What is cut: `whole`, or a piece of an earlier cut.
+    #[serde(default = "whole")]
+    pub of: String,
+    /// `[nx, ny, nz, d]`: the plane of all x with n·x = d.
+    #[serde(default)]
+    pub plane: Option<[f64; 4]>,
+    /// A line over the picture that `camera` takes, in fractions of it from the top left, y down.
+    #[serde(default)]
+    pub stroke: Option<Vec<[f64; 2]>>,
+    /// Whether the stroke is closed, and so cuts a piece out.
+    #[serde(default)]
+    pub closed: bool,
+    /// A stroke file instead.
+    #[serde(default)]
+    pub file: Option<PathBuf>,
+    /// The camera that the stroke was drawn under; left out, it frames what is cut.
+    #[serde(default)]
+    pub camera: Option<Camera>,
+}
+
+fn whole() -> String {
+    "whole".to_owned()
+}
+
+/// `[[picture]]`: one PNG.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PictureEntry {
+    /// The file's name, without `.png`.
+    pub name: String,
+    /// What it shows: `whole`, pieces `CUT/N`, or all pieces of a cut: `CUT`.
+    #[serde(default = "show_whole")]
+    pub show: Vec<String>,
+    /// How far the shown pieces are moved apart: 0 leaves them; at 1 their centres are twice as far from
+    /// the common centre.
+    #[serde(default)]
+    pub apart: f64,
+    /// The camera.
+    #[serde(default)]
+    pub camera: Option<Camera>,
+    /// Instead of a camera: the direction from which one frames what is shown.
+    #[serde(default)]
+    pub from: Option<DVec3>,
+    /// Size, background, light.
+    #[serde(default)]
+    pub render: RenderParams,
+}
+
+fn show_whole() -> Vec<String> {
+    vec![whole()]
+}
+
+/// `[export]`: what the model and every piece are exported to, beside their `.lapis` files.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ExportEntry {
+    /// The formats.
+    pub formats: Vec<ExportFormat>,
+    /// How the GLB's texture is baked.
+    pub atlas: AtlasParams,
+}
+
+impl Default for ExportEntry {
+    fn default() -> Self {
+        Self { formats: vec![ExportFormat::Glb], atlas: AtlasParams::default() }
+    }
+}
+
+/// A format that models are exported to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ExportFormat {
+    /// Binary glTF with a baked texture atlas.
+    Glb,
+    /// PLY with vertex colours.
+    Ply,
+}
+
+impl ExportFormat {
+    /// All formats.
+    pub const ALL: [Self; 2] = [Self::Glb, Self::Ply];
+
+    /// The file name's extension, without the dot.
+    #[must_use]
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Glb => "glb",
+            Self::Ply => "ply",
+        }
+    }
+}

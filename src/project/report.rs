@@ -1,0 +1,133 @@
+//! What a command made, in the names that `--json` and `report.json` use.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+/// One file that was written.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Output {
+    /// Where it lies.
+    pub path: PathBuf,
+    /// What it is: `lapped-solid`, `picture`, `glb`, `ply`, `tetrahedra`, `report`.
+    pub kind: String,
+}
+
+/// What a command made: files, counts, measures and how long its steps took.
+///
+/// Keys are sorted, so that equal results print equally.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// The files, in the order in which they were made.
+    pub outputs: Vec<Output>,
+    /// Whole numbers of things: tetrahedra, patches, pieces, …
+    pub counts: Map<String, Value>,
+    /// Everything else that was measured; the names are explained in `docs/project-file.md`.
+    pub measures: Map<String, Value>,
+    /// Wall-clock seconds of each step. The only part that differs between two equal runs.
+    pub seconds: Map<String, Value>,
+}
+
+impl Report {
+    /// Adds a file.
+    pub fn output(&mut self, path: &Path, kind: &str) {
+        self.outputs.push(Output { path: path.to_owned(), kind: kind.to_owned() });
+    }
+
+    /// Sets a count.
+    pub fn count(&mut self, name: &str, n: usize) {
+        self.counts.insert(name.to_owned(), Value::from(n));
+    }
+
+    /// Sets a measure; what JSON cannot hold (NaN, infinities) becomes null.
+    pub fn measure(&mut self, name: &str, value: impl Into<Value>) {
+        self.measures.insert(name.to_owned(), value.into());
+    }
+
+    /// Adds the time since `start` to the step `name`.
+    pub fn took(&mut self, name: &str, start: Instant) {
+        let before = self.seconds.get(name).and_then(Value::as_f64).unwrap_or(0.0);
+        // A tenth of a millisecond is all that such a time means.
+        let now = ((before + start.elapsed().as_secs_f64()) * 1e4).round() / 1e4;
+        self.seconds.insert(name.to_owned(), Value::from(now));
+    }
+
+    /// Adds the fields of a room's own report: whole numbers to the counts, all else to the measures.
+    pub fn add(&mut self, room: &impl Serialize) {
+        // Such reports are structs of numbers, lists and text: they always serialise to an object.
+        if let Ok(Value::Object(fields)) = serde_json::to_value(room) {
+            self.sort_in(fields);
+        }
+    }
+
+    fn sort_in(&mut self, fields: Map<String, Value>) {
+        for (name, value) in fields {
+            match (name.as_str(), value) {
+                // A room that tells counts from measures itself.
+                ("counts" | "measures", Value::Object(inner)) => {
+                    let map = if name == "counts" { &mut self.counts } else { &mut self.measures };
+                    map.extend(inner);
+                }
+                (_, value) if value.is_u64() => {
+                    self.counts.insert(name, value);
+                }
+                (_, Value::Null) => {}
+                (_, value) => {
+                    self.measures.insert(name, value);
+                }
+            }
+        }
+    }
+
+    /// The same numbers under one name, as for the cuts of a project: `counts` and `measures` of `part`
+    /// become the objects `counts.name` and `measures.name`; its outputs and times are joined to ours.
+    pub fn nest(&mut self, name: &str, part: Report) {
+        self.outputs.extend(part.outputs);
+        if !part.counts.is_empty() {
+            self.counts.insert(name.to_owned(), Value::Object(part.counts));
+        }
+        if !part.measures.is_empty() {
+            self.measures.insert(name.to_owned(), Value::Object(part.measures));
+        }
+        for (step, seconds) in part.seconds {
+            let sum = self.seconds.get(&step).and_then(Value::as_f64).unwrap_or(0.0)
+                + seconds.as_f64().unwrap_or(0.0);
+            self.seconds.insert(step, Value::from(sum));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Serialize)]
+    struct Room {
+        tets: usize,
+        layers_mean: f64,
+        note: Option<String>,
+    }
+
+    #[test]
+    fn whole_numbers_are_counts_and_the_rest_measures() {
+        let mut report = Report::default();
+        report.add(&Room { tets: 7, layers_mean: 3.0, note: None });
+        assert_eq!(report.counts["tets"], 7);
+        assert_eq!(report.measures["layers_mean"], 3.0);
+        assert!(!report.measures.contains_key("note"));
+    }
+
+    #[test]
+    fn nested_reports_keep_their_numbers_apart() {
+        let mut inner = Report::default();
+        inner.count("pieces", 2);
+        inner.output(Path::new("a.lapis"), "lapped-solid");
+        let mut outer = Report::default();
+        outer.count("tets", 9);
+        outer.nest("cut", inner);
+        assert_eq!(outer.counts["cut"]["pieces"], 2);
+        assert_eq!(outer.outputs.len(), 1);
+    }
+}
