@@ -1,8 +1,12 @@
 //! Triangle meshes from files, and the tetrahedra that fill them.
 
+mod mesher;
 mod tet;
+mod tet_files;
 mod tri;
 
+pub use mesher::{Mesher, MesherError, MesherLimits, tetgen_helper};
 pub(crate) use tet::index;
 pub use tet::{BoundaryFace, FaceOrigin, NONE, TET_FACES, TetMesh, TopologyError, gradients, signed_volume};
+pub use tet_files::{TetFileError, read_tets, write_tets};
 pub use tri::TriMesh;
