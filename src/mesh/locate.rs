@@ -279,52 +279,10 @@ pub(crate) fn closest_on_triangle([a, b, c]: [DVec3; 3], p: DVec3) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use rand_chacha::ChaCha8Rng;
-    use rand_chacha::rand_core::{Rng, SeedableRng};
+    use rand_chacha::rand_core::SeedableRng;
 
     use super::*;
-    use crate::mesh::FaceOrigin;
-
-    /// n³ cubes of six tetrahedra each, over the unit cube, jittered inside.
-    fn grid(n: usize) -> TetMesh {
-        let mut random = ChaCha8Rng::seed_from_u64(1);
-        let step = 1.0 / n as f64;
-        let mut vertices = Vec::new();
-        for z in 0..=n {
-            for y in 0..=n {
-                for x in 0..=n {
-                    let mut p = DVec3::new(x as f64, y as f64, z as f64);
-                    for (k, i) in [x, y, z].into_iter().enumerate() {
-                        let shift = unit(&mut random) - 0.5;
-                        if i > 0 && i < n {
-                            p[k] += 0.2 * shift;
-                        }
-                    }
-                    vertices.push(p * step);
-                }
-            }
-        }
-        let at = |x: usize, y: usize, z: usize| index((z * (n + 1) + y) * (n + 1) + x);
-        let mut tets = Vec::new();
-        for (x, y, z) in (0..n).flat_map(|z| (0..n).flat_map(move |y| (0..n).map(move |x| (x, y, z)))) {
-            for path in [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2]] {
-                let mut c = [x, y, z];
-                let mut tet = [at(x, y, z); 4];
-                for (k, axis) in path.into_iter().enumerate() {
-                    c[axis] += 1;
-                    tet[k + 1] = at(c[0], c[1], c[2]);
-                }
-                if super::super::signed_volume(tet.map(|v| vertices[v as usize])) < 0.0 {
-                    tet.swap(2, 3);
-                }
-                tets.push(tet);
-            }
-        }
-        TetMesh::new(vertices, tets, |_, _| FaceOrigin::Input(0)).unwrap()
-    }
-
-    fn unit(random: &mut ChaCha8Rng) -> f64 {
-        f64::from(random.next_u32()) / f64::from(u32::MAX)
-    }
+    use crate::mesh::shapes::{grid, unit};
 
     fn point(mesh: &TetMesh, t: usize, b: [f64; 4]) -> DVec3 {
         mesh.corners(t).into_iter().zip(b).map(|(p, b)| p * b).sum()

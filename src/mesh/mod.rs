@@ -1,6 +1,8 @@
 //! Triangle meshes from files, and the tetrahedra that fill them.
 
 mod locate;
+#[cfg(test)]
+pub(crate) mod shapes;
 mod tet;
 mod tri;
 
