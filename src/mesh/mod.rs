@@ -1,11 +1,15 @@
 //! Triangle meshes from files, and the tetrahedra that fill them.
 
 mod mesher;
+mod locate;
+#[cfg(test)]
+pub(crate) mod shapes;
 mod tet;
 mod tet_files;
 mod tri;
 
 pub use mesher::{Mesher, MesherError, MesherLimits, tetgen_helper};
+pub use locate::TetLocator;
 pub(crate) use tet::index;
 pub use tet::{BoundaryFace, FaceOrigin, NONE, TET_FACES, TetMesh, TopologyError, gradients, signed_volume};
 pub use tet_files::{TetFileError, read_tets, write_tets};

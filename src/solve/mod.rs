@@ -1,8 +1,11 @@
-//! Sparse symmetric positive definite systems: assemble, factor once, solve many right-hand sides.
+//! Symmetric positive definite systems, sparse and dense: assemble, factor once, solve many right-hand sides.
 //!
 //! Everything here is sequential on purpose: a parallel sum rounds differently from run to run, and
 //! Lapis gives the same bytes at any thread count. Stages run many such solves side by side instead.
 
+mod dense;
+
+pub use dense::solve_dense_spd;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, factorize_symbolic_cholesky};
 use faer::sparse::{SparseColMat, Triplet};
