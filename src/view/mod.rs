@@ -2,5 +2,10 @@
 //! origin at the top left, x to the right, y down.
 
 mod camera;
+mod file;
+mod stroke;
 
 pub use camera::{Camera, CameraError, Projection};
+pub use file::{StrokeFile, ViewFileError, ViewFileProblem, read_camera};
+pub use stroke::{MAX_STROKE_POINTS, Stroke, StrokeError};
+pub(crate) use stroke::{box_of, meeting, turn};
