@@ -60,6 +60,12 @@ impl SolidTexture {
         Ok(Self { size, voxels, tiles })
     }
 
+    /// The same texture, wrapping around along the axes that `tiles` says: for files that do not say it.
+    #[must_use]
+    pub fn with_tiles(self, tiles: [bool; 3]) -> Self {
+        Self { tiles, ..self }
+    }
+
     /// Voxels along x, y, z.
     #[must_use]
     pub fn size(&self) -> [u32; 3] {

@@ -1,0 +1,223 @@
+//! Reading and writing solid textures and masks, by the kind of path.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::mask::AlphaMask;
+use super::nrrd::{self, NrrdError};
+use super::slices::{self, SlicesError};
+use super::texture::SolidTexture;
+use crate::files;
+
+/// A file or folder that does not give a volume.
+#[derive(Debug, thiserror::Error)]
+pub enum VolumeReadError {
+    /// It cannot be read at all.
+    #[error("cannot read {path}: {error}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        error: io::Error,
+    },
+    /// Neither the name nor the content is a volume's.
+    #[error("{path} is no volume; give an NRRD file (.nrrd), or a folder of PNG slices along z")]
+    Unknown {
+        /// The file.
+        path: PathBuf,
+    },
+    /// An NRRD file that is broken, or of a kind that Lapis does not read.
+    #[error("{path}: {error}")]
+    Nrrd {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        error: NrrdError,
+    },
+    /// A folder whose slices make no volume.
+    #[error("{path}: {error}")]
+    Slices {
+        /// The folder.
+        path: PathBuf,
+        /// What is wrong.
+        error: SlicesError,
+    },
+    /// A mask that has colours.
+    #[error("{path}: voxel ({}, {}, {}) is coloured; a mask is grey, white where it is opaque", .voxel[0], .voxel[1], .voxel[2])]
+    Coloured {
+        /// The file or folder.
+        path: PathBuf,
+        /// The first coloured voxel, counted from 0.
+        voxel: [u32; 3],
+    },
+}
+
+/// A volume that cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum VolumeWriteError {
+    /// The path does not say how.
+    #[error("{path} names no kind of volume; end it in .nrrd, or in / for a folder of PNG slices")]
+    Unknown {
+        /// Where it should have gone.
+        path: PathBuf,
+    },
+    /// The system refuses.
+    #[error("cannot write {path}: {error}")]
+    Io {
+        /// Where it should have gone.
+        path: PathBuf,
+        /// What the system says.
+        error: io::Error,
+    },
+}
+
+/// Reads a solid texture: an NRRD file of 8-bit voxels (grey, RGB or RGBA), or a folder of 8-bit PNG slices
+/// along z in natural order of their names, row 0 at y = 0. Grey is spread over the three colours, and
+/// without an alpha channel every voxel is opaque. A volume that does not say along which axes it tiles
+/// (key `lapis_tiles` of an NRRD, `volume.json` beside slices) tiles nowhere;
+/// [`SolidTexture::with_tiles`] tells better.
+///
+/// # Errors
+/// [`VolumeReadError`], which names the file, the place in it and what would help. Sizes are checked before
+/// memory is taken.
+pub fn read(path: &Path) -> Result<SolidTexture, VolumeReadError> {
+    if path.is_dir() {
+        return slices::read(path).map_err(|error| VolumeReadError::Slices { path: path.to_owned(), error });
+    }
+    let bytes =
+        files::read_whole(path).map_err(|error| VolumeReadError::Io { path: path.to_owned(), error })?;
+    let named = has_extension(path, "nrrd") || has_extension(path, "nhdr");
+    if !named && !bytes.starts_with(b"NRRD") {
+        return Err(VolumeReadError::Unknown { path: path.to_owned() });
+    }
+    nrrd::decode(&bytes, |name| files::read_whole(&path.with_file_name(name)))
+        .map_err(|error| VolumeReadError::Nrrd { path: path.to_owned(), error })
+}
+
+/// Reads a mask in any form that [`read`] takes. It must be grey; the opacity is the grey value times the
+/// alpha of the file, where it has one (so both white on black and white on clear are understood).
+///
+/// # Errors
+/// [`VolumeReadError`].
+pub fn read_mask(path: &Path) -> Result<AlphaMask, VolumeReadError> {
+    let texture = read(path)?;
+    let voxels = texture.voxels();
+    if let Some(at) = voxels.iter().position(|&[r, g, b, _]| r != g || g != b) {
+        let [nx, ny, _] = texture.size().map(|n| n as usize);
+        #[allow(clippy::cast_possible_truncation)] // sides are at most 4096
+        let voxel = [at % nx, at / nx % ny, at / (nx * ny)].map(|i| i as u32);
+        return Err(VolumeReadError::Coloured { path: path.to_owned(), voxel });
+    }
+    #[allow(clippy::cast_possible_truncation)] // at most 255
+    let alpha =
+        voxels.iter().map(|&[g, _, _, a]| ((u32::from(g) * u32::from(a) + 127) / 255) as u8).collect();
+    Ok(AlphaMask::new(texture.size(), alpha).expect("as many values as the texture has voxels"))
+}
+
+/// Writes a solid texture: to one file where `path` ends in `.nrrd`, to a folder of PNG slices where it ends
+/// in `/` or has no extension. It appears whole or not at all; a folder that is there is replaced only if it
+/// holds nothing but slices.
+///
+/// # Errors
+/// [`VolumeWriteError`].
+pub fn write(path: &Path, texture: &SolidTexture) -> Result<(), VolumeWriteError> {
+    write_block(path, texture.size(), 4, texture.voxels().as_flattened(), Some(texture.tiles()))
+}
+
+/// Writes a mask, in grey, in the same ways as [`write`].
+///
+/// # Errors
+/// [`VolumeWriteError`].
+pub fn write_mask(path: &Path, mask: &AlphaMask) -> Result<(), VolumeWriteError> {
+    write_block(path, mask.size(), 1, mask.alpha(), None)
+}
+
+fn write_block(
+    path: &Path,
+    size: [u32; 3],
+    channels: u8,
+    data: &[u8],
+    tiles: Option<[bool; 3]>,
+) -> Result<(), VolumeWriteError> {
+    let folder = path.as_os_str().to_string_lossy().ends_with(std::path::is_separator);
+    let done = if folder || path.extension().is_none() {
+        slices::write(path, size, channels, data, tiles)
+    } else if has_extension(path, "nrrd") {
+        files::write_whole(path, &nrrd::encode(size, channels, data, tiles))
+    } else {
+        return Err(VolumeWriteError::Unknown { path: path.to_owned() });
+    };
+    done.map_err(|error| VolumeWriteError::Io { path: path.to_owned(), error })
+}
+
+fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::SplotchParams;
+    use super::*;
+
+    fn texture() -> SolidTexture {
+        let voxels = (0..24u8).map(|i| [i, 2 * i, 255 - i, 200 + i]).collect();
+        SolidTexture::new([2, 3, 4], voxels, [true, false, true]).unwrap()
+    }
+
+    #[test]
+    fn both_kinds_of_path() {
+        let dir = tempfile::tempdir().unwrap();
+        for name in ["a.nrrd", "b.NRRD", "slices", "v1.2/"] {
+            let path = dir.path().join(name);
+            write(&path, &texture()).unwrap();
+            assert_eq!(read(&path).unwrap(), texture(), "{name}");
+        }
+        assert!(dir.path().join("v1.2/slice-0003.png").is_file());
+        assert!(matches!(
+            write(&dir.path().join("a.tiff"), &texture()),
+            Err(VolumeWriteError::Unknown { .. })
+        ));
+        assert!(matches!(write(&dir.path().join("no/a.nrrd"), &texture()), Err(VolumeWriteError::Io { .. })));
+        assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 4);
+    }
+
+    #[test]
+    fn masks_are_grey() {
+        let dir = tempfile::tempdir().unwrap();
+        let mask = AlphaMask::splotch(&SplotchParams { size: 32, ..SplotchParams::default() }, 1);
+        for name in ["mask.nrrd", "mask"] {
+            let path = dir.path().join(name);
+            write_mask(&path, &mask).unwrap();
+            assert_eq!(read_mask(&path).unwrap(), mask);
+        }
+        let path = dir.path().join("white-on-clear.nrrd");
+        let voxels = mask.alpha().iter().map(|&a| [255, 255, 255, a]).collect();
+        write(&path, &SolidTexture::new([32; 3], voxels, [false; 3]).unwrap()).unwrap();
+        assert_eq!(read_mask(&path).unwrap(), mask);
+        write(&path, &texture()).unwrap();
+        assert!(matches!(read_mask(&path), Err(VolumeReadError::Coloured { voxel: [0, 0, 0], .. })));
+    }
+
+    #[test]
+    fn faults_name_the_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.obj");
+        assert!(matches!(read(&path), Err(VolumeReadError::Io { .. })));
+        std::fs::write(&path, "v 0 0 0").unwrap();
+        let e = read(&path).unwrap_err();
+        assert!(e.to_string().contains("a.obj is no volume"), "{e}");
+        let path = dir.path().join("a.nrrd");
+        std::fs::write(&path, "").unwrap();
+        assert!(matches!(read(&path), Err(VolumeReadError::Nrrd { .. })));
+        assert!(matches!(read(dir.path()), Err(VolumeReadError::Slices { .. })));
+        // Voxels in a file beside the header.
+        std::fs::write(
+            &path,
+            "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1 1 2\nencoding: raw\ndata file: b\n",
+        )
+        .unwrap();
+        assert!(matches!(read(&path), Err(VolumeReadError::Nrrd { .. })));
+        std::fs::write(dir.path().join("b"), [3, 4]).unwrap();
+        assert_eq!(read(&path).unwrap().voxel(0, 0, 1), [4, 4, 4, 255]);
+    }
+}

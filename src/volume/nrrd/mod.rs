@@ -1,0 +1,444 @@
+//! Volumes as NRRD: a text header, a blank line, then the voxels (<https://teem.sourceforge.net/nrrd/format.html>).
+//!
+//! Written: `type: uint8`, colours as `sizes: 4 nx ny nz` with `kinds: RGBA-color space space space`, masks as
+//! `sizes: nx ny nz`, gzip, the header in the same file. The key `lapis_tiles:=xz` names the axes along which a
+//! texture tiles; its value may be empty, and a file without the key tiles nowhere.
+//!
+//! Read besides: 1 (grey), 2 (grey, alpha) or 3 (RGB) components, on the first axis or on the last; plain
+//! three-dimensional grey; raw and text encodings; the voxels in another file of the same folder. Fields that
+//! do not matter here (spacings, units, endianness of single bytes) are passed over.
+
+mod header;
+
+use std::io::{self, Write};
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+
+use self::header::{Header, MAX_HEADER, TILES, data_file_name};
+use super::texture::{SolidTexture, VolumeError, checked_voxels};
+
+/// Bytes that are not an NRRD volume of 8-bit voxels.
+#[derive(Debug, thiserror::Error)]
+pub enum NrrdError {
+    /// The first line is another.
+    #[error("it is not an NRRD file: its first line is not NRRD0001 to NRRD0005")]
+    Magic,
+    /// No blank line.
+    #[error(
+        "the header does not end: no blank line in its first {MAX_HEADER} bytes, nor a `data file` field"
+    )]
+    Endless,
+    /// Neither field nor key nor comment.
+    #[error("line {line} of the header is neither `field: value`, `key:=value` nor a # comment: {text:?}")]
+    Line {
+        /// Counted from 1.
+        line: usize,
+        /// How it begins.
+        text: String,
+    },
+    /// A field that every file needs.
+    #[error("the header has no field `{0}`")]
+    Missing(&'static str),
+    /// A field or key given twice.
+    #[error("line {line} of the header gives `{name}` a second time")]
+    Twice {
+        /// Counted from 1.
+        line: usize,
+        /// Field or key.
+        name: String,
+    },
+    /// A value that makes no sense, or that Lapis does not read.
+    #[error("line {line} of the header, `{name}: {value}`: {problem}")]
+    Value {
+        /// Counted from 1.
+        line: usize,
+        /// Field or key.
+        name: &'static str,
+        /// Its value.
+        value: String,
+        /// What is wrong, and what would help.
+        problem: String,
+    },
+    /// Sides that no volume can have.
+    #[error("line {line} of the header, `sizes`: {error}")]
+    Size {
+        /// Counted from 1.
+        line: usize,
+        /// What is wrong with them.
+        error: VolumeError,
+    },
+    /// Less data than the header promises.
+    #[error("the header promises {expected} bytes of voxels, but only {found} are there")]
+    TooLittle {
+        /// Bytes promised.
+        expected: u64,
+        /// Bytes found.
+        found: u64,
+    },
+    /// More data than the header promises.
+    #[error("the header promises {expected} bytes of voxels, but more are there")]
+    TooMuch {
+        /// Bytes promised.
+        expected: u64,
+    },
+    /// gzip data that do not unpack.
+    #[error("the gzip data are damaged: {0}")]
+    Gzip(io::Error),
+    /// Text that is not a number from 0 to 255.
+    #[error("value {index} of the text data is {text:?}; it must be a whole number from 0 to 255")]
+    Text {
+        /// Counted from 0.
+        index: u64,
+        /// What stands there.
+        text: String,
+    },
+    /// The file that holds the voxels cannot be read.
+    #[error("its data file {name:?} cannot be read: {error}")]
+    DataFile {
+        /// As the header names it.
+        name: String,
+        /// Why not.
+        error: io::Error,
+    },
+}
+
+/// The volume in `bytes`, the content of an NRRD file; `open` reads another file of its folder.
+pub(super) fn decode(
+    bytes: &[u8],
+    open: impl FnOnce(&str) -> io::Result<Vec<u8>>,
+) -> Result<SolidTexture, NrrdError> {
+    let header = Header::parse(bytes)?;
+    let layout = Layout::new(&header)?;
+    let tiles = header.tiles()?;
+    let elsewhere = match header.field("datafile") {
+        Some(entry) => {
+            let name = data_file_name(entry)?;
+            let read = open(name);
+            Some(read.map_err(|error| NrrdError::DataFile { name: name.to_owned(), error })?)
+        }
+        None => None,
+    };
+    let data = elsewhere.as_deref().unwrap_or(&bytes[header.length..]);
+    let bytes = header.unpack(data, layout.bytes)?;
+    Ok(SolidTexture::new(layout.size, layout.voxels(&bytes), tiles).expect("size and length were checked"))
+}
+
+/// An NRRD file of `channels` (4: RGBA, 1: grey) 8-bit channels a voxel.
+pub(super) fn encode(size: [u32; 3], channels: u8, data: &[u8], tiles: Option<[bool; 3]>) -> Vec<u8> {
+    let [nx, ny, nz] = size;
+    let mut header = String::from("NRRD0004\ntype: uint8\n");
+    header += &match channels {
+        1 => format!("dimension: 3\nsizes: {nx} {ny} {nz}\nkinds: space space space\n"),
+        _ => format!("dimension: 4\nsizes: {channels} {nx} {ny} {nz}\nkinds: RGBA-color space space space\n"),
+    };
+    header += "encoding: gzip\n";
+    if let Some(tiles) = tiles {
+        header += &format!("{TILES}:={}\n", axes(tiles));
+    }
+    header.push('\n');
+    let mut packed = GzEncoder::new(header.into_bytes(), Compression::default());
+    // The header goes before the packed bytes: the encoder writes its own header with the first of them.
+    packed.write_all(data).expect("memory takes all bytes");
+    packed.finish().expect("memory takes all bytes")
+}
+
+/// The letters of the axes that tile.
+pub(super) fn axes(tiles: [bool; 3]) -> String {
+    "xyz".chars().zip(tiles).filter_map(|(axis, tiles)| tiles.then_some(axis)).collect()
+}
+
+/// The reverse of [`axes`]; `None` for anything but letters x, y, z, each at most once.
+pub(super) fn parse_axes(text: &str) -> Option<[bool; 3]> {
+    let mut tiles = [false; 3];
+    for letter in text.chars() {
+        let axis = "xyz".find(letter)?;
+        if std::mem::replace(&mut tiles[axis], true) {
+            return None;
+        }
+    }
+    Some(tiles)
+}
+
+/// How the bytes make voxels.
+struct Layout {
+    size: [u32; 3],
+    components: usize,
+    /// The components of a voxel lie a whole volume apart (their axis is the last), not side by side.
+    planar: bool,
+    bytes: u64,
+}
+
+impl Layout {
+    fn new(header: &Header) -> Result<Self, NrrdError> {
+        let kind = header.need("type")?;
+        match kind.value.to_ascii_lowercase().as_str() {
+            "uchar" | "unsigned char" | "uint8" | "uint8_t" => {}
+            _ => {
+                let remedy =
+                    "only unsigned 8-bit voxels are read; bring the values to 0…255 and save them as uint8";
+                return Err(kind.wrong(remedy));
+            }
+        }
+        let dimension = header.need("dimension")?;
+        let count = match dimension.value.as_str() {
+            "3" => 3,
+            "4" => 4,
+            _ => return Err(dimension.wrong("a volume has 3 axes, or 4 with one of colour components")),
+        };
+        let entry = header.need("sizes")?;
+        let sizes: Vec<u64> = entry.value.split_whitespace().map_while(|n| n.parse().ok()).collect();
+        if sizes.len() != count || entry.value.split_whitespace().count() != count {
+            return Err(entry.wrong(format!("`dimension` asks for {count} whole numbers")));
+        }
+        let colour = colour_axis(header, &sizes)?;
+        let components = colour.map_or(1, |axis| sizes[axis]);
+        if !(1..=4).contains(&components) {
+            return Err(entry.wrong(format!(
+                "{components} components a voxel; there must be 1 (grey), 2 (grey, alpha), 3 (RGB) or 4 (RGBA)"
+            )));
+        }
+        let mut sides = (0..count).filter(|&axis| Some(axis) != colour).map(|axis| sizes[axis]);
+        let sides: [u64; 3] = std::array::from_fn(|_| sides.next().unwrap_or(0));
+        let error = |error| NrrdError::Size { line: entry.line, error };
+        let voxels = checked_voxels(sides).map_err(error)? as u64;
+        let size = sides.map(|n| u32::try_from(n).unwrap_or(0)); // at most MAX_SIDE
+        let components = usize::try_from(components).unwrap_or(4); // at most 4
+        Ok(Self { size, components, planar: colour == Some(3), bytes: voxels * components as u64 })
+    }
+
+    fn voxels(&self, bytes: &[u8]) -> Vec<[u8; 4]> {
+        let n = self.components;
+        let count = bytes.len() / n;
+        let (voxel, component) = if self.planar { (1, count) } else { (n, 1) };
+        let at = |v: usize, c: usize| bytes[v * voxel + c * component];
+        (0..count)
+            .map(|v| match n {
+                1 => [at(v, 0), at(v, 0), at(v, 0), 255],
+                2 => [at(v, 0), at(v, 0), at(v, 0), at(v, 1)],
+                3 => [at(v, 0), at(v, 1), at(v, 2), 255],
+                _ => [at(v, 0), at(v, 1), at(v, 2), at(v, 3)],
+            })
+            .collect()
+    }
+}
+
+/// The axis of the colour components: by its kind where that is given, else the first or last of four if short enough.
+fn colour_axis(header: &Header, sizes: &[u64]) -> Result<Option<usize>, NrrdError> {
+    let count = sizes.len();
+    let mut by_kind = None;
+    if let Some(entry) = header.field("kinds") {
+        let kinds: Vec<String> = entry.value.split_whitespace().map(str::to_ascii_lowercase).collect();
+        if kinds.len() != count {
+            return Err(entry.wrong(format!("`dimension` asks for {count} of them")));
+        }
+        for (axis, kind) in kinds.iter().enumerate() {
+            match kind.as_str() {
+                "domain" | "space" | "time" | "???" | "none" => {}
+                "hsv-color" | "xyz-color" => {
+                    return Err(entry.wrong("colours must be RGB, RGBA or grey; convert them first"));
+                }
+                _ if by_kind.replace(axis).is_some() => {
+                    return Err(entry.wrong("only one axis can hold the components of a voxel"));
+                }
+                _ => {}
+            }
+        }
+        if by_kind.is_some_and(|axis| count == 3 || (axis != 0 && axis != 3)) {
+            return Err(entry.wrong(
+                "a volume has three axes of space, and its components on the first axis or the last",
+            ));
+        }
+    }
+    match (count, by_kind) {
+        (3, _) => Ok(None),
+        (_, Some(axis)) => Ok(Some(axis)),
+        _ if sizes[0] <= 4 => Ok(Some(0)),
+        _ => Ok(Some(3)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn alone(_: &str) -> io::Result<Vec<u8>> {
+        Err(io::ErrorKind::NotFound.into())
+    }
+
+    fn read(header: &str, data: &[u8]) -> Result<SolidTexture, NrrdError> {
+        decode(&[format!("NRRD0004\n{header}\n\n").as_bytes(), data].concat(), alone)
+    }
+
+    fn gzip(data: &[u8]) -> Vec<u8> {
+        let mut packed = GzEncoder::new(Vec::new(), Compression::best());
+        packed.write_all(data).unwrap();
+        packed.finish().unwrap()
+    }
+
+    const RGBA: &str = "type: uint8\ndimension: 4\nsizes: 4 2 1 3\nkinds: RGBA-color space space space";
+
+    #[test]
+    fn what_is_written_is_read() {
+        let data: Vec<u8> = (0..24).map(|i| i * 10).collect();
+        for tiles in [[false; 3], [true, false, true], [true; 3]] {
+            let bytes = encode([2, 1, 3], 4, &data, Some(tiles));
+            let texture = decode(&bytes, alone).unwrap();
+            assert_eq!(texture.size(), [2, 1, 3]);
+            assert_eq!(texture.tiles(), tiles);
+            assert_eq!(texture.voxels().as_flattened(), data);
+        }
+        let grey = decode(&encode([2, 3, 4], 1, &data, None), alone).unwrap();
+        assert_eq!(grey.size(), [2, 3, 4]);
+        assert_eq!(grey.voxel(1, 2, 3), [230, 230, 230, 255]);
+    }
+
+    #[test]
+    fn the_header_is_the_contract() {
+        let bytes = encode([2, 1, 3], 4, &[0; 24], Some([true, false, true]));
+        let header = "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 4 2 1 3\nkinds: RGBA-color space space space\n\
+                      encoding: gzip\nlapis_tiles:=xz\n\n";
+        assert!(bytes.starts_with(header.as_bytes()));
+    }
+
+    #[test]
+    fn foreign_headers() {
+        let data: Vec<u8> = (0..24).collect();
+        let t = read(
+            &format!(
+                "{RGBA}\nendian: little\r\ntype:=float\n# a comment: so\nspace units: \"mm\"\nmy:=own: key\nencoding: raw"
+            ),
+            &data,
+        );
+        let t = t.unwrap();
+        assert_eq!(t.tiles(), [false; 3]);
+        assert_eq!(t.voxel(1, 0, 2), [20, 21, 22, 23]);
+
+        let t =
+            read("type: unsigned char\ndimension: 4\nsizes: 3 2 2 2\nencoding: gz", &gzip(&data)).unwrap();
+        assert_eq!(t.voxel(1, 0, 0), [3, 4, 5, 255]);
+
+        let planar =
+            "type: uchar\ndimension: 4\nkinds: domain domain domain RGB-color\nsizes: 2 2 2 3\nencoding: raw";
+        assert_eq!(read(planar, &data).unwrap().voxel(1, 0, 0), [1, 9, 17, 255]);
+
+        let grey = "type: uint8_t\ndimension: 3\nsizes: 2 3 4\nencoding: ascii";
+        let text: String = data.iter().map(|b| format!("{b}\n")).collect();
+        assert_eq!(read(grey, text.as_bytes()).unwrap().voxel(1, 2, 3), [23, 23, 23, 255]);
+
+        let t = read(
+            "type: uint8\ndimension: 4\nsizes: 2 2 2 3\nencoding: raw\nline skip: 1\nbyte skip: 2",
+            b"a line\nab012345678901234567890123",
+        );
+        assert_eq!(t.unwrap().voxel(0, 0, 0), [b'0', b'0', b'0', b'1']);
+        let t = read(&format!("{RGBA}\nencoding: raw\nbyteskip: -1"), b"rubbish012345678901234567890123")
+            .unwrap();
+        assert_eq!(t.voxel(0, 0, 0), *b"0123");
+    }
+
+    #[test]
+    fn detached_data() {
+        let header = format!("NRRD0005\n{RGBA}\nencoding: raw\ndata file: ./b.raw");
+        let t = decode(header.as_bytes(), |name| {
+            assert_eq!(name, "b.raw");
+            Ok(vec![7; 24])
+        });
+        assert_eq!(t.unwrap().voxel(0, 0, 0), [7; 4]);
+        for name in ["/etc/passwd", "../b.raw", "LIST", "b%03d.raw 1 2 1", "c:b.raw"] {
+            let header = format!("NRRD0005\n{RGBA}\nencoding: raw\ndata file: {name}\n");
+            let e = decode(header.as_bytes(), |_| panic!("must not be opened")).unwrap_err();
+            assert!(matches!(e, NrrdError::Value { name: "datafile", .. }), "{e}");
+        }
+        let header = format!("NRRD0005\n{RGBA}\nencoding: raw\ndata file: gone.raw\n");
+        assert!(matches!(decode(header.as_bytes(), alone), Err(NrrdError::DataFile { .. })));
+    }
+
+    #[test]
+    fn lies_about_the_length() {
+        let data = [1u8; 25];
+        let raw = format!("{RGBA}\nencoding: raw");
+        let packed = format!("{RGBA}\nencoding: gzip");
+        let text = format!("{RGBA}\nencoding: text");
+        for (n, less) in [(23, true), (25, false), (0, true)] {
+            let words = "1 ".repeat(n);
+            for e in [
+                read(&raw, &data[..n]).unwrap_err(),
+                read(&packed, &gzip(&data[..n])).unwrap_err(),
+                read(&text, words.as_bytes()).unwrap_err(),
+            ] {
+                match e {
+                    NrrdError::TooLittle { expected: 24, found } => assert!(less && found == n as u64),
+                    NrrdError::TooMuch { expected: 24 } => assert!(!less),
+                    e => panic!("{e}"),
+                }
+            }
+        }
+        // Three gigabytes of nothing: inflating stops at the 25th byte.
+        assert!(matches!(
+            read(&packed, &gzip(&vec![0; 3_000_000])),
+            Err(NrrdError::TooMuch { expected: 24 })
+        ));
+        let cut = gzip(&data[..24]);
+        assert!(matches!(
+            read(&packed, &cut[..cut.len() - 9]),
+            Err(NrrdError::Gzip(_) | NrrdError::TooLittle { .. })
+        ));
+        let mut broken = cut.clone();
+        let at = broken.len() - 6;
+        broken[at] ^= 1;
+        assert!(matches!(read(&packed, &broken), Err(NrrdError::Gzip(_))));
+        assert!(matches!(read(&packed, b"not gzip at all"), Err(NrrdError::Gzip(_))));
+        assert!(matches!(read(&text, b"1 2 256"), Err(NrrdError::Text { index: 2, .. })));
+    }
+
+    #[test]
+    fn sizes_are_refused_before_anything_is_allocated() {
+        let huge = "18446744073709551615";
+        for sizes in [
+            "4 0 1 1".to_owned(),
+            "4 4096 4096 4096".into(),
+            "4 5000 1 1".into(),
+            format!("4 {huge} {huge} {huge}"),
+        ] {
+            let header = format!("type: uint8\ndimension: 4\nsizes: {sizes}\nencoding: gzip");
+            assert!(matches!(read(&header, b""), Err(NrrdError::Size { line: 4, .. })), "{sizes}");
+        }
+        // Promises 4 GiB, holds nothing.
+        let header = "type: uint8\ndimension: 4\nsizes: 4 1024 1024 1024\nencoding: gzip";
+        assert!(matches!(read(header, &gzip(b"")), Err(NrrdError::TooLittle { found: 0, .. })));
+        for sizes in ["4 2 2", "4 2 2 2 2", "4 2 -2 2", "4 2 2 x", "9 2 2 9"] {
+            let header = format!("type: uint8\ndimension: 4\nsizes: {sizes}\nencoding: raw");
+            assert!(matches!(read(&header, b""), Err(NrrdError::Value { name: "sizes", .. })), "{sizes}");
+        }
+    }
+
+    #[test]
+    fn other_faults_are_named() {
+        assert!(matches!(decode(b"", alone), Err(NrrdError::Magic)));
+        assert!(matches!(decode(b"NRRD0009\n\n", alone), Err(NrrdError::Magic)));
+        assert!(matches!(decode(b"\x89PNG\r\n", alone), Err(NrrdError::Magic)));
+        assert!(matches!(decode(b"NRRD0004\ntype: uint8\n", alone), Err(NrrdError::Endless)));
+        assert!(matches!(read("hello", b""), Err(NrrdError::Line { line: 2, .. })));
+        assert!(matches!(read("type: uint8\ntype: uint8", b""), Err(NrrdError::Twice { line: 3, .. })));
+        assert!(matches!(read("type: uint8\nsizes: 1 1 1", b""), Err(NrrdError::Missing("dimension"))));
+        let short =
+            read("type: uint16\ndimension: 3\nsizes: 1 1 1\nencoding: raw", b"..").unwrap_err().to_string();
+        assert!(
+            short.contains("line 2") && short.contains("uint16") && short.contains("save them as uint8"),
+            "{short}"
+        );
+        for header in [
+            format!("{RGBA}\nencoding: bzip2"),
+            format!("{RGBA}\nencoding: gzip\nbyte skip: -1"),
+            format!("{RGBA}\nencoding: raw\nline skip: 99999999999"),
+            format!("{RGBA}\nencoding: raw\nlapis_tiles:=xx"),
+            format!("{RGBA}\nencoding: raw\nlapis_tiles:=q"),
+            "type: uint8\ndimension: 2\nsizes: 2 2\nencoding: raw".into(),
+            "type: uint8\ndimension: 3\nsizes: 3 2 2\nkinds: RGB-color domain domain\nencoding: raw".into(),
+            "type: uint8\ndimension: 4\nsizes: 3 2 2 1\nkinds: HSV-color space space space\nencoding: raw"
+                .into(),
+        ] {
+            assert!(matches!(read(&header, b""), Err(NrrdError::Value { .. })), "{header}");
+        }
+    }
+}
