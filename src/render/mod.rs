@@ -1,1 +1,154 @@
-//! Pictures of lapped solids, without a GPU.
+//! Pictures of lapped solids, without a GPU \[LST 5.1\].
+//!
+//! [`render`] draws the boundary of one or more solids, each moved by its own offset, through a
+//! perspective [`Camera`](crate::view::Camera). Colours come from
+//! [`LappedSolid::colour`](crate::lap::LappedSolid::colour), so a picture shows exactly what the lapped
+//! solid says; no texture is baked in between. [`Surface`] is the boundary with its smooth normals,
+//! which the exporters share.
+
+mod background;
+mod frame;
+mod light;
+mod params;
+mod picture;
+mod raster;
+mod scene;
+mod surface;
+#[cfg(test)]
+pub(crate) mod testing;
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+pub use background::{Background, BackgroundError};
+pub use frame::{frame_all, frame_all_from};
+pub use params::{MAX_PICTURE_SIDE, PictureSize, PictureSizeError, RenderParams};
+pub use picture::{Difference, Picture, PictureError};
+pub use surface::{CREASE_DEG, Surface, SurfacePoint};
+
+use crate::exec::{Cancelled, Exec};
+use crate::lap::LappedSolid;
+use crate::view::{Camera, CameraError};
+use light::Light;
+use scene::Scene;
+
+/// A solid and where it stands in the picture.
+#[derive(Debug, Clone, Copy)]
+pub struct Placed<'a> {
+    /// The solid.
+    pub solid: &'a LappedSolid,
+    /// What is added to its vertices, in the mesh's unit.
+    pub offset: DVec3,
+}
+
+impl<'a> From<&'a LappedSolid> for Placed<'a> {
+    fn from(solid: &'a LappedSolid) -> Self {
+        Self { solid, offset: DVec3::ZERO }
+    }
+}
+
+/// Why there is no picture.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RenderError {
+    /// The camera cannot see.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// A side is 0 or too long.
+    #[error("a picture of {width}×{height} pixels: each side must have 1 to {MAX_PICTURE_SIDE} pixels")]
+    Size {
+        /// Asked width.
+        width: u32,
+        /// Asked height.
+        height: u32,
+    },
+    /// Not a number of colour look-ups that the renderer knows.
+    #[error("{0} colour samples a pixel: it must be 1, 4 or 16")]
+    Samples(u32),
+    /// A number of the light that is NaN, infinite or out of its range.
+    #[error("the light's {name} is {value}; it must lie between {least} and {most}")]
+    Light {
+        /// Which setting.
+        name: &'static str,
+        /// What it is.
+        value: f64,
+        /// Least value.
+        least: f64,
+        /// Greatest value.
+        most: f64,
+    },
+    /// A solid's offset is NaN or infinite.
+    #[error("the offset of solid {solid} is not finite")]
+    Offset {
+        /// Index of the solid.
+        solid: usize,
+    },
+    /// The picture does not fit into memory.
+    #[error(
+        "a picture of {width}×{height} pixels needs {bytes} bytes, more than there are; ask for a smaller one"
+    )]
+    Memory {
+        /// Asked width.
+        width: u32,
+        /// Asked height.
+        height: u32,
+        /// Bytes of the pixels.
+        bytes: u64,
+    },
+    /// The run was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// Draws solids as seen by a camera.
+///
+/// The picture's own width over height wins over [`Camera::aspect`]; the angle between top and bottom
+/// edge stays the camera's. Only sides that face the camera are drawn, but a solid that holds the eye is
+/// drawn from within as well. Edges are smoothed by 16 samples a pixel with their own depth; the colour is
+/// looked up [`RenderParams::samples`] times a pixel, within each visible triangle. A colour with
+/// alpha < 1 is blended over the background, not over what lies behind it.
+///
+/// # Errors
+/// [`RenderError`]: bad settings, no memory, cancelled.
+pub fn render(
+    solids: &[Placed<'_>],
+    camera: &Camera,
+    params: &RenderParams,
+    exec: &Exec,
+) -> Result<Picture, RenderError> {
+    params.validate()?;
+    let (width, height) = (params.width, params.height);
+    let camera = Camera { aspect: f64::from(width) / f64::from(height), ..*camera };
+    let view = camera.projection()?;
+    if let Some(solid) = solids.iter().position(|p| !p.offset.is_finite()) {
+        return Err(RenderError::Offset { solid });
+    }
+
+    let pixels = width as usize * height as usize;
+    let mut rgba: Vec<[u8; 4]> = Vec::new();
+    rgba.try_reserve_exact(pixels).map_err(|_| RenderError::Memory {
+        width,
+        height,
+        bytes: pixels as u64 * 4,
+    })?;
+    rgba.resize(pixels, params.background.0);
+
+    let scene = exec.install(|| Scene::new(solids, &view, params, exec))?;
+    let light = Light::new(&view, params);
+    let rows = raster::TILE as usize * width as usize;
+    let stage = exec.stage("render", scene.bands() as u64);
+    let done = AtomicU64::new(0);
+    exec.install(|| {
+        rgba.par_chunks_mut(rows).enumerate().try_for_each(|(band, out)| {
+            exec.check()?;
+            raster::draw_band(&scene, &light, params, band, out);
+            stage.at(done.fetch_add(1, Ordering::Relaxed) + 1);
+            Ok::<(), Cancelled>(())
+        })
+    })?;
+    Ok(Picture { width, height, rgba })
+}
+
+#[cfg(test)]
+mod tests;
