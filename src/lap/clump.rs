@@ -8,7 +8,7 @@
 use glam::{DQuat, DVec3};
 
 use super::coverage::{MaskTable, POINTS, Presence, lattice_point, sample_lattice};
-use super::frames::{Frame, PatchFrames, TetFrames};
+use super::frames::{PatchFrames, TetFrames};
 use super::optimise::{Element, optimise};
 use super::params::FillParams;
 use super::solid::interpolate;
@@ -85,15 +85,15 @@ pub(super) fn paste(ground: &Ground<'_>, seed: &Seed, work: &mut Workspace) -> P
     let mut clump = Clump::new(ground, &frames, seed, work);
     let widest = ground.params.max_angle_deg.to_radians();
     let fitted = [1.0, 0.5, 0.25].iter().any(|part| {
-        clump.clear();
+        clump.start();
         clump.agreement = (widest * part).cos();
         clump.fit()
     });
     if !fitted {
-        clump.clear();
+        clump.start();
     }
     let pasted = clump.paste();
-    clump.clear();
+    clump.leave();
     pasted
 }
 
@@ -118,7 +118,12 @@ struct Clump<'a> {
 }
 
 impl<'a> Clump<'a> {
-    fn new(ground: &'a Ground<'a>, frames: &'a PatchFrames<'a>, seed: &'a Seed, work: &'a mut Workspace) -> Self {
+    fn new(
+        ground: &'a Ground<'a>,
+        frames: &'a PatchFrames<'a>,
+        seed: &'a Seed,
+        work: &'a mut Workspace,
+    ) -> Self {
         let at = lattice_point(seed.point as usize).map(f64::from);
         let tet = ground.mesh.tets[seed.tet as usize];
         let y = ground.depth.map_or(0.5, |d| (0..4).map(|k| at[k] * d[tet[k] as usize]).sum());
@@ -139,8 +144,8 @@ impl<'a> Clump<'a> {
         }
     }
 
-    /// Back to the seed's tetrahedron alone, mapped by its own frame.
-    fn clear(&mut self) {
+    /// Empties the clump and wipes its traces from the workspace.
+    fn leave(&mut self) {
         for &t in self.tets.iter().chain(&self.rejected) {
             self.work.tet[t as usize] = NONE;
         }
@@ -151,15 +156,17 @@ impl<'a> Clump<'a> {
         self.rejected.clear();
         self.vertices.clear();
         self.uvw.clear();
+    }
+
+    /// Back to the seed's tetrahedron alone, mapped by its own frame.
+    fn start(&mut self) {
+        self.leave();
         let seed = self.seed.tet as usize;
         let frame = self.frames.frame(seed);
         let corners = self.ground.mesh.corners(seed);
         let point: DVec3 = (0..4).map(|k| corners[k] * self.at[k]).sum();
-        self.join(self.seed.tet, |corner| self.centre_plus(&frame, corner - point));
-    }
-
-    fn centre_plus(&self, frame: &Frame, step: DVec3) -> DVec3 {
-        self.centre + frame.texture_from_world * step
+        let centre = self.centre;
+        self.join(self.seed.tet, |corner| centre + frame.texture_from_world * (corner - point));
     }
 
     /// Adds a tetrahedron; `predict` gives the coordinates of a corner that is new.
@@ -187,7 +194,8 @@ impl<'a> Clump<'a> {
     }
 
     fn corners(&self, t: u32) -> [[f32; 3]; 4] {
-        self.ground.mesh.tets[t as usize].map(|v| self.uvw[self.work.vertex[v as usize] as usize].as_vec3().to_array())
+        self.ground.mesh.tets[t as usize]
+            .map(|v| self.uvw[self.work.vertex[v as usize] as usize].as_vec3().to_array())
     }
 
     fn reject(&mut self, t: u32) {
@@ -204,7 +212,8 @@ impl<'a> Clump<'a> {
         }
         let mesh = self.ground.mesh;
         let frame = self.frames.frame(n as usize);
-        let known = mesh.tets[n as usize].map(|v| self.coordinates(v).map(|w| (mesh.vertices[v as usize], w)));
+        let known =
+            mesh.tets[n as usize].map(|v| self.coordinates(v).map(|w| (mesh.vertices[v as usize], w)));
         let count = known.iter().flatten().count() as f64;
         let (p, w) = known.iter().flatten().fold((DVec3::ZERO, DVec3::ZERO), |(p, w), k| (p + k.0, w + k.1));
         let (p, w) = (p / count, w / count);
@@ -278,7 +287,9 @@ impl<'a> Clump<'a> {
             return false;
         };
         let at: DVec3 = (0..4)
-            .map(|k| uvw[self.work.vertex[mesh.tets[self.seed.tet as usize][k] as usize] as usize] * self.at[k])
+            .map(|k| {
+                uvw[self.work.vertex[mesh.tets[self.seed.tet as usize][k] as usize] as usize] * self.at[k]
+            })
             .sum();
         let mut shift = self.centre - at;
         if depth.is_some() {
@@ -351,7 +362,8 @@ impl<'a> Clump<'a> {
             if stays[slot] {
                 for v in self.ground.mesh.tets[t as usize] {
                     if self.work.vertex[v as usize] == NONE {
-                        let n = place.binary_search_by_key(&v, |p| p.0).expect("a member's vertex has a place");
+                        let n =
+                            place.binary_search_by_key(&v, |p| p.0).expect("a member's vertex has a place");
                         self.work.vertex[v as usize] = self.vertices.len() as u32;
                         self.vertices.push(v);
                         self.uvw.push(place[n].1);
@@ -387,7 +399,8 @@ impl<'a> Clump<'a> {
             }
             let corners = self.corners(t);
             let face = TET_FACES[k].map(|i| corners[i]);
-            if self.table.over_points(&face) != Presence::Absent && mask_on_face(self.mask, &face, 0.0) > 0.0 {
+            if self.table.over_points(&face) != Presence::Absent && mask_on_face(self.mask, &face, 0.0) > 0.0
+            {
                 self.consider(n, true);
             }
         }

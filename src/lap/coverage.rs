@@ -153,7 +153,7 @@ mod tests {
             .map(|v| {
                 let c = |i: usize| (i as f32 + 0.5) / n as f32 - 0.5;
                 let r = (c(v % n).powi(2) + c(v / n % n).powi(2) + c(v / n / n).powi(2)).sqrt();
-                ((0.4 - r) * 1500.0).clamp(0.0, 255.0) as u8
+                ((0.45 - r) * 4000.0).clamp(0.0, 255.0) as u8
             })
             .collect();
         let mask = AlphaMask::new([16; 3], alpha).unwrap();
@@ -166,7 +166,7 @@ mod tests {
         let mut seen = [0; 3];
         for _ in 0..3000 {
             let centre: [f32; 3] = std::array::from_fn(|_| random() * 1.2 - 0.1);
-            let half = random() * 0.12;
+            let half = random() * 0.06;
             let (lo, hi) = (centre.map(|c| c - half), centre.map(|c| c + half));
             let verdict = table.over(lo, hi);
             seen[verdict as usize] += 1;

@@ -42,7 +42,8 @@ impl TetFrames {
         scale: Option<&[f64]>,
     ) -> Self {
         let tets = mesh.tets.len();
-        let mean = |values: &[f64], t: usize| mesh.tets[t].iter().map(|&v| values[v as usize]).sum::<f64>() / 4.0;
+        let mean =
+            |values: &[f64], t: usize| mesh.tets[t].iter().map(|&v| values[v as usize]).sum::<f64>() / 4.0;
         let needs = kind.inputs();
         let mut s = Vec::new();
         let mut s_length = Vec::new();
@@ -52,7 +53,9 @@ impl TetFrames {
         };
         if needs.depth {
             let slopes: Vec<DVec3> = (0..tets)
-                .map(|t| mesh.gradients(t).iter().zip(mesh.tets[t]).map(|(g, v)| *g * depth[v as usize]).sum())
+                .map(|t| {
+                    mesh.gradients(t).iter().zip(mesh.tets[t]).map(|(g, v)| *g * depth[v as usize]).sum()
+                })
                 .collect();
             let smooth = vertex_means(mesh, &slopes);
             s = slopes
@@ -120,6 +123,37 @@ impl TetFrames {
             _ => self.fixed(seed),
         };
         PatchFrames { frames: self, seed, axes }
+    }
+
+    /// Frames at the vertices, for the record: R, S, T with their lengths, means over the tetrahedra around,
+    /// made orthogonal again. What the type leaves free is completed by any smooth perpendicular.
+    pub(super) fn at_vertices(&self, mesh: &TetMesh) -> Vec<[DVec3; 3]> {
+        let count = mesh.vertices.len();
+        let mut sums = vec![(DVec3::ZERO, DVec3::ZERO, 0.0, 0.0, 0.0); count];
+        for t in 0..mesh.tets.len() {
+            let volume = mesh.tet_volume(t);
+            for &v in &mesh.tets[t] {
+                let sum = &mut sums[v as usize];
+                sum.0 += self.r.get(t).copied().unwrap_or_default() * volume;
+                sum.1 += self.s.get(t).copied().unwrap_or_default() * volume;
+                sum.2 += self.length[t] * volume;
+                sum.3 += self.s_length[t] * volume;
+                sum.4 += volume;
+            }
+        }
+        sums.into_iter()
+            .map(|(r, s, length, s_length, weight)| {
+                let (length, s_length) =
+                    if weight > 0.0 { (length / weight, s_length / weight) } else { (1.0, 1.0) };
+                let (r, s) = match (r.try_normalize(), s.try_normalize()) {
+                    (Some(r), Some(s)) => (perpendicular(r, s), s),
+                    (Some(r), None) => (r, perpendicular(DVec3::Y, r)),
+                    (None, Some(s)) => (perpendicular(DVec3::X, s), s),
+                    (None, None) => (DVec3::X, DVec3::Y),
+                };
+                [r * length, s * s_length, r.cross(s) * length]
+            })
+            .collect()
     }
 
     fn fixed(&self, t: usize) -> DMat3 {

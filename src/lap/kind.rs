@@ -39,15 +39,8 @@ pub struct Inputs {
 
 impl TextureType {
     /// All types, in order.
-    pub const ALL: [Self; 7] = [
-        Self::Type0,
-        Self::Type1a,
-        Self::Type1b,
-        Self::Type2a,
-        Self::Type2b,
-        Self::Type2c,
-        Self::Type2d,
-    ];
+    pub const ALL: [Self; 7] =
+        [Self::Type0, Self::Type1a, Self::Type1b, Self::Type2a, Self::Type2b, Self::Type2c, Self::Type2d];
 
     /// The name in \[LST 3\], as on the command line.
     #[must_use]

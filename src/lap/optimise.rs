@@ -100,7 +100,11 @@ mod tests {
 
     #[test]
     fn one_frame_everywhere_is_reproduced_exactly() {
-        let f = DMat3::from_cols(DVec3::new(2.0, 0.3, 0.0), DVec3::new(-0.3, 2.0, 0.1), DVec3::new(0.0, 0.0, 3.0));
+        let f = DMat3::from_cols(
+            DVec3::new(2.0, 0.3, 0.0),
+            DVec3::new(-0.3, 2.0, 0.1),
+            DVec3::new(0.0, 0.0, 3.0),
+        );
         let (p, elements) = pair([f, f]);
         let w = optimise(5, &elements, None).unwrap();
         let inverse = f.inverse();

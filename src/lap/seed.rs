@@ -15,7 +15,6 @@ use crate::mesh::TetMesh;
 pub(super) struct Spot {
     pub(super) tet: u32,
     pub(super) point: u8,
-    pub(super) position: DVec3,
 }
 
 /// A greedy maximal set of uncovered points, one a tetrahedron, no two closer than `apart` texture units
@@ -45,7 +44,7 @@ pub(super) fn spots(
         let radius = apart * length[t as usize];
         if taken.locate_within_distance(position.to_array(), radius * radius).next().is_none() {
             taken.insert(GeomWithData::new(position.to_array(), ()));
-            spots.push(Spot { tet: t, point: point as u8, position });
+            spots.push(Spot { tet: t, point: point as u8 });
         }
     }
     spots
