@@ -1,0 +1,205 @@
+//! How good a fill is.
+
+use glam::DVec3;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::clump::Fit;
+use super::solid::{LappedSolid, interpolate};
+use crate::exec::{Cancelled, Exec};
+use crate::mesh::NONE;
+
+/// The measures of a fill.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FillMeasures {
+    /// Mean number of layers of a tetrahedron, hidden ones dropped.
+    pub layers_mean: f64,
+    /// The most layers of a tetrahedron.
+    pub layers_max: usize,
+    /// Mean angle, in degrees, between the columns of J·\[R S T\] and their axes, weighted by volume.
+    pub angle_mean_deg: f64,
+    /// Its 95th percentile.
+    pub angle_p95_deg: f64,
+    /// Patch tetrahedra that are inside out.
+    pub inverted: usize,
+    /// Lattice points that are not covered.
+    pub uncovered: usize,
+    /// The part of the clumps' boundary inside the model where the mask is above 16/255: facet seams.
+    pub clump_edge_share: f64,
+    /// The largest difference between the texture's depth and the depth field at a vertex.
+    pub depth_error: f64,
+    /// Mean gradient of the filled model over that of its solid texture at the same places: below 1 is blur.
+    pub sharpness: f64,
+}
+
+impl FillMeasures {
+    pub(super) fn new(solid: &LappedSolid, fits: &[Fit], uncovered: usize, depth_varying: bool) -> Self {
+        let tets = solid.mesh.tets.len();
+        let counts = (0..tets).map(|t| solid.layers(t).len());
+        let layers_max = counts.clone().max().unwrap_or(0);
+        let layers_mean = counts.sum::<usize>() as f64 / tets.max(1) as f64;
+        // Angles in bins of a hundredth of a degree.
+        let mut bins = vec![0.0; 18_001];
+        let (mut weighted, mut weight) = (0.0, 0.0);
+        for &(angle, w) in fits.iter().flat_map(|f| &f.angles) {
+            bins[((f64::from(angle) * 100.0) as usize).min(18_000)] += w;
+            weighted += f64::from(angle) * w;
+            weight += w;
+        }
+        let mut below = 0.0;
+        let p95 = bins.iter().position(|b| {
+            below += b;
+            below >= 0.95 * weight
+        });
+        let edge: f64 = fits.iter().map(|f| f.edge).sum();
+        let cut_edge: f64 = fits.iter().map(|f| f.cut_edge).sum();
+        let mut depth_error = 0.0f64;
+        if depth_varying {
+            for t in 0..tets {
+                for uvw in &solid.layer_uvw[solid.layers(t)] {
+                    for k in 0..4 {
+                        let d = solid.depth[solid.mesh.tets[t][k] as usize];
+                        depth_error = depth_error.max((f64::from(uvw[k][1]) - d).abs());
+                    }
+                }
+            }
+        }
+        Self {
+            layers_mean,
+            layers_max,
+            angle_mean_deg: if weight > 0.0 { weighted / weight } else { 0.0 },
+            angle_p95_deg: p95.unwrap_or(0) as f64 / 100.0,
+            inverted: fits.iter().map(|f| f.inverted).sum(),
+            uncovered,
+            clump_edge_share: if edge > 0.0 { cut_edge / edge } else { 0.0 },
+            depth_error,
+            sharpness: 1.0,
+        }
+    }
+}
+
+/// Places at which the gradient is measured.
+const PLACES: usize = 20_000;
+
+/// Sharpness: at random points, on a plane of random direction through each, the colour's change over one
+/// voxel in two perpendicular directions, summed over the model and over its solid texture.
+///
+/// The texture's plane is the model's, seen through the newest layer that is opaque there (else the oldest);
+/// its place along tiling axes is drawn at random, so that pasted and plain texture are compared as wholes.
+pub(super) fn sharpness(solid: &LappedSolid, seed: u64, exec: &Exec) -> Result<f64, Cancelled> {
+    let mesh = &solid.mesh;
+    let mut total = 0.0;
+    let cumulative: Vec<f64> = (0..mesh.tets.len())
+        .map(|t| {
+            total += mesh.tet_volume(t);
+            total
+        })
+        .collect();
+    exec.check()?;
+    let _stage = exec.stage("sharpness", 0);
+    let pairs: Vec<Option<(f64, f64)>> = (0..PLACES)
+        .into_par_iter()
+        .map(|n| {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x5AA5_0FF0_1234_9876);
+            rng.set_stream(n as u64);
+            let mut uniform = || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+            let target = uniform() * total;
+            let t = cumulative.partition_point(|&c| c < target).min(mesh.tets.len() - 1);
+            let mut at: [f64; 4] = std::array::from_fn(|_| -(1.0 - uniform()).ln());
+            let sum: f64 = at.iter().sum();
+            at = at.map(|a| a / sum);
+            let z = 2.0 * uniform() - 1.0;
+            let turn = uniform() * std::f64::consts::TAU;
+            let normal = DVec3::new((1.0 - z * z).sqrt() * turn.cos(), (1.0 - z * z).sqrt() * turn.sin(), z);
+            let (a, b) = normal.any_orthonormal_pair();
+            let spin = uniform() * std::f64::consts::TAU;
+            let u = a * spin.cos() + b * spin.sin();
+            let v = b * spin.cos() - a * spin.sin();
+            let anywhere: [f64; 3] = std::array::from_fn(|_| uniform());
+            place(solid, t, at, [u, v], anywhere)
+        })
+        .collect();
+    let (model, texture) = pairs.iter().flatten().fold((0.0, 0.0), |s, p| (s.0 + p.0, s.1 + p.1));
+    Ok(if texture > 0.0 { model / texture } else { 1.0 })
+}
+
+/// Gradient magnitudes of the model and of its texture at one place, per voxel.
+fn place(
+    solid: &LappedSolid,
+    t: usize,
+    at: [f64; 4],
+    steps: [DVec3; 2],
+    anywhere: [f64; 3],
+) -> Option<(f64, f64)> {
+    let layers = solid.layers(t);
+    let at32 = at.map(|a| a as f32);
+    // The layer that shows most.
+    let mut clear = 1.0;
+    let mut best = (0.0, layers.start);
+    for layer in layers.clone().rev() {
+        let patch = solid.patches[solid.layer_patch[layer] as usize];
+        let m = solid.masks[patch.mask as usize].sample(interpolate(&solid.layer_uvw[layer], at32));
+        if clear * m > best.0 {
+            best = (clear * m, layer);
+        }
+        clear *= 1.0 - m;
+    }
+    if layers.is_empty() {
+        return None;
+    }
+    let layer = best.1;
+    let uvw = &solid.layer_uvw[layer];
+    let texture = &solid.exemplars[solid.patches[solid.layer_patch[layer] as usize].exemplar as usize];
+    let gradients = solid.mesh.gradients(t);
+    // One voxel along each step, in texture space.
+    let jacobian = |step: DVec3| -> DVec3 {
+        (0..4).map(|k| DVec3::from(uvw[k].map(f64::from)) * gradients[k].dot(step)).sum()
+    };
+    let size = f64::from(texture.size().into_iter().max().unwrap_or(1));
+    let mut model = 0.0;
+    let mut plain = 0.0;
+    let here = solid.colour(t, at32);
+    let own = interpolate(uvw, at32).map(f64::from);
+    let tiles = texture.tiles();
+    let start = DVec3::from_array(std::array::from_fn(|n| if tiles[n] { anywhere[n] } else { own[n] }));
+    let there = texture.sample(start.as_vec3().to_array());
+    for step in steps {
+        let j = jacobian(step);
+        if j.length() <= 0.0 {
+            return None;
+        }
+        let step = step / (j.length() * size);
+        let (tet, next) = walk(solid, t, at, step)?;
+        let moved = solid.colour(tet, next.map(|a| a as f32));
+        let other = texture.sample((start + j / (j.length() * size)).as_vec3().to_array());
+        let change = |a: [f32; 4], b: [f32; 4]| (0..3).map(|n| f64::from(a[n] - b[n]).powi(2)).sum::<f64>();
+        model += change(here, moved);
+        plain += change(there, other);
+    }
+    Some((model.sqrt(), plain.sqrt()))
+}
+
+/// Follows a short step through the mesh; `None` where it leaves the model.
+fn walk(solid: &LappedSolid, mut t: usize, at: [f64; 4], step: DVec3) -> Option<(usize, [f64; 4])> {
+    let mesh = &solid.mesh;
+    let corners = mesh.corners(t);
+    let goal: DVec3 = (0..4).map(|k| corners[k] * at[k]).sum::<DVec3>() + step;
+    for _ in 0..64 {
+        let g = mesh.gradients(t);
+        let p = mesh.corners(t);
+        // λ_k is 0 on the face opposite k, so it is measured from any other corner.
+        let b: [f64; 4] = std::array::from_fn(|k| g[k].dot(goal - p[(k + 1) % 4]));
+        let lowest = (0..4).min_by(|&a, &c| b[a].total_cmp(&b[c]))?;
+        if b[lowest] >= -1e-12 {
+            return Some((t, b));
+        }
+        let next = mesh.neighbours[t][lowest];
+        if next == NONE {
+            return None;
+        }
+        t = next as usize;
+    }
+    None
+}

@@ -1,0 +1,141 @@
+//! Texture optimisation \[LST 5.2.5\]: the texture coordinates of a clump whose Jacobian in each
+//! tetrahedron comes nearest to the inverse of its frame.
+//!
+//! Minimised is Σ vol(T) |J_T F_T − I|², F the frame's columns: with h_j = Fᵀ∇λ_j the matrix is
+//! Σ vol h_a·h_b for every coordinate, and the right-hand side of coordinate c is Σ vol h_a\[c\]. One vertex
+//! is pinned; the caller translates the solution so that the seed point gets its place exactly.
+
+use glam::DVec3;
+
+use crate::solve::{Entry, SolveError, SpdFactor};
+
+/// One tetrahedron of a clump: its vertices in the clump's own numbering, its volume, and
+/// h_j = Fᵀ∇λ_j for each of them.
+pub(super) struct Element {
+    pub(super) vertices: [usize; 4],
+    pub(super) volume: f64,
+    pub(super) h: [DVec3; 4],
+}
+
+/// The optimal coordinates of `count` vertices, up to a translation. With `depth` (one value a vertex)
+/// the second coordinate is given and only the other two are solved for.
+///
+/// # Errors
+/// [`SolveError`] where the clump is degenerate.
+pub(super) fn optimise(
+    count: usize,
+    elements: &[Element],
+    depth: Option<&[f64]>,
+) -> Result<Vec<DVec3>, SolveError> {
+    let axes: &[usize] = if depth.is_some() { &[0, 2] } else { &[0, 1, 2] };
+    // Vertex 0 is pinned at the origin: unknowns are the others.
+    let unknowns = count - 1;
+    let mut entries = Vec::with_capacity(elements.len() * 10);
+    let mut rhs = vec![0.0; unknowns * axes.len()];
+    for e in elements {
+        for (a, &va) in e.vertices.iter().enumerate() {
+            if va == 0 {
+                continue;
+            }
+            for (n, &axis) in axes.iter().enumerate() {
+                rhs[n * unknowns + va - 1] += e.volume * e.h[a][axis];
+            }
+            for (b, &vb) in e.vertices.iter().enumerate() {
+                if vb != 0 && va >= vb {
+                    entries.push(Entry::new(va - 1, vb - 1, e.volume * e.h[a].dot(e.h[b])));
+                }
+            }
+        }
+    }
+    SpdFactor::new(unknowns, &entries)?.solve(&mut rhs, axes.len());
+    let mut solution = vec![DVec3::ZERO; count];
+    for (n, &axis) in axes.iter().enumerate() {
+        for v in 0..unknowns {
+            solution[v + 1][axis] = rhs[n * unknowns + v];
+        }
+    }
+    if let Some(depth) = depth {
+        for (w, &d) in solution.iter_mut().zip(depth) {
+            w.y = d;
+        }
+    }
+    Ok(solution)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{gradients, signed_volume};
+    use glam::DMat3;
+
+    /// Two tetrahedra sharing a face, with a frame each.
+    fn pair(frames: [DMat3; 2]) -> (Vec<DVec3>, Vec<Element>) {
+        let p = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(1.1, 0.9, 1.2)];
+        let elements = [[0usize, 1, 2, 3], [1, 2, 3, 4]]
+            .iter()
+            .zip(frames)
+            .map(|(&vertices, f)| {
+                let corners = vertices.map(|v| p[v]);
+                Element {
+                    vertices,
+                    volume: signed_volume(corners),
+                    h: gradients(corners).map(|g| f.transpose() * g),
+                }
+            })
+            .collect();
+        (p, elements)
+    }
+
+    fn energy(elements: &[Element], w: &[DVec3]) -> f64 {
+        elements
+            .iter()
+            .map(|e| {
+                // J F, column by column.
+                let jf: [DVec3; 3] =
+                    std::array::from_fn(|c| (0..4).map(|k| w[e.vertices[k]] * e.h[k][c]).sum());
+                e.volume * (0..3).map(|c| (jf[c] - DVec3::AXES[c]).length_squared()).sum::<f64>()
+            })
+            .sum()
+    }
+
+    #[test]
+    fn one_frame_everywhere_is_reproduced_exactly() {
+        let f = DMat3::from_cols(
+            DVec3::new(2.0, 0.3, 0.0),
+            DVec3::new(-0.3, 2.0, 0.1),
+            DVec3::new(0.0, 0.0, 3.0),
+        );
+        let (p, elements) = pair([f, f]);
+        let w = optimise(5, &elements, None).unwrap();
+        let inverse = f.inverse();
+        for v in 0..5 {
+            assert!((w[v] - inverse * (p[v] - p[0])).length() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_solution_is_a_minimum() {
+        let turned = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 0.5).normalize(), 0.7);
+        let (_, elements) = pair([DMat3::IDENTITY, turned]);
+        let w = optimise(5, &elements, None).unwrap();
+        let best = energy(&elements, &w);
+        for v in 1..5 {
+            for axis in DVec3::AXES {
+                for step in [-1e-3, 1e-3] {
+                    let mut other = w.clone();
+                    other[v] += axis * step;
+                    assert!(energy(&elements, &other) > best);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_given_depth_stays() {
+        let (_, elements) = pair([DMat3::IDENTITY; 2]);
+        let depth = [0.1, 0.2, 0.9, 0.4, 0.7];
+        let w = optimise(5, &elements, Some(&depth)).unwrap();
+        assert_eq!(w.iter().map(|w| w.y).collect::<Vec<_>>(), depth);
+        assert!((w[1].x - w[0].x - 1.0).abs() < 1e-12);
+    }
+}
