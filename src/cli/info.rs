@@ -166,7 +166,7 @@ fn tet_mesh(report: &mut Report, mesh: &TetMesh) {
 
 fn tets(report: &mut Report, mesh: &TetMesh) {
     report.count("vertices", mesh.vertices.len());
-    report.count("tets", mesh.tets.len());
+    report.count("tetrahedra", mesh.tets.len());
     report.count("boundary_faces", mesh.boundary.len());
     report.measure("volume", mesh.volume());
     bounds(report, mesh.bounds());

@@ -85,7 +85,7 @@ pub enum PartError {
         input: &'static str,
     },
     /// A texture type that cannot be filled yet.
-    #[error("texture type {0} is not supported yet; 0, 1a and 2b are")]
+    #[error("texture type {0} cannot be filled yet; 0, 1a, 1b, 2a and 2b can")]
     Unsupported(TextureType),
     /// A constant direction without length.
     #[error("the constant direction is zero or not finite")]
@@ -171,7 +171,7 @@ impl Part {
     /// [`PartError::Unsupported`], [`PartError::Needs`], [`PartError::Takes`].
     pub fn check(&self) -> Result<(), PartError> {
         let kind = self.kind;
-        if !matches!(kind, TextureType::Type0 | TextureType::Type1a | TextureType::Type2b) {
+        if matches!(kind, TextureType::Type2c | TextureType::Type2d) {
             return Err(PartError::Unsupported(kind));
         }
         let needs = kind.inputs();
@@ -205,7 +205,7 @@ pub fn tet_mesh(
     if is_tet_file(path) {
         let mesh = mesh::read_tets(path).map_err(|source| PartError::TetFile { path: path.to_owned(), source })?;
         report.took("read", start);
-        report.count("tets", mesh.tets.len());
+        report.count("tetrahedra", mesh.tets.len());
         report.count("vertices", mesh.vertices.len());
         return Ok((mesh, report));
     }
@@ -218,7 +218,7 @@ pub fn tet_mesh(
     let (mesh, made) = mesh::tetrahedralise(&surface, params, mesher, exec)
         .map_err(|source| PartError::Tetrahedralise { path: path.to_owned(), source })?;
     report.add(&made);
-    report.count("tets", mesh.tets.len());
+    report.count("tetrahedra", mesh.tets.len());
     report.count("vertices", mesh.vertices.len());
     report.took("tetrahedralise", start);
     Ok((mesh, report))
@@ -287,5 +287,5 @@ fn fields(part: &Part, mesh: &TetMesh, exec: &Exec) -> Result<Fields, PartError>
         ),
         None => None,
     };
-    Ok(Fields { depth, direction, scale })
+    Ok(Fields { depth: depth.map(|d| d.values), direction, scale })
 }

@@ -1,0 +1,91 @@
+"""Recomputes colours from a .lapis file alone, as docs/format.md says, and compares them with `lapis info`.
+
+Usage: python read_lapis.py LAPIS MODEL.lapis
+"""
+import json
+import subprocess
+import sys
+
+import numpy as np
+from safetensors import safe_open
+
+lapis, path = sys.argv[1:]
+with safe_open(path, "numpy") as file:
+    a = {name: file.get_tensor(name) for name in file.keys()}
+    about = json.loads(file.metadata()["lapis"])
+assert about["format"] == 1
+
+
+def linear(c):
+    """sRGB bytes to linear light."""
+    s = c / 255.0
+    return np.where(s <= 0.04045, s / 12.92, ((s + 0.055) / 1.055) ** 2.4)
+
+
+def srgb(x):
+    """Linear light to sRGB bytes."""
+    x = np.clip(x, 0, 1)
+    return 255 * np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1 / 2.4) - 0.055)
+
+
+def trilinear(block, uvw, tiles):
+    """A block [z, y, x, …] at texture coordinates: wrapped on tiling axes, clamped on the others."""
+    taps = []
+    for axis, n in zip("xyz", block.shape[2::-1]):
+        x = uvw["xyz".index(axis)] * n - 0.5
+        if axis in tiles:
+            lo = int(np.floor(x))
+            taps.append(((lo % n, 1 - (x - lo)), ((lo + 1) % n, x - lo)))
+        else:
+            x = min(max(x, 0), n - 1)
+            lo = int(x)
+            taps.append(((lo, 1 - (x - lo)), (min(lo + 1, n - 1), x - lo)))
+    return sum(
+        block[k, j, i] * (wi * wj * wk) for i, wi in taps[0] for j, wj in taps[1] for k, wk in taps[2]
+    )
+
+
+def texture(patch, uvw):
+    e = a["patch_exemplar"][patch]
+    block = a[f"exemplar_{e}"].astype(float)
+    block = np.concatenate([linear(block[..., :3]), block[..., 3:] / 255], axis=-1)
+    return trilinear(block, uvw, about["exemplar_tiles"][e])
+
+
+def colour(tet, barycentric):
+    x, m = np.zeros(4), 0.0
+    layers = range(a["layer_start"][tet], a["layer_start"][tet + 1])
+    for layer in layers:
+        uvw = barycentric @ a["layer_uvw"][layer].astype(float)
+        patch = a["layer_patch"][layer]
+        mask = 0.0
+        if (uvw >= 0).all() and (uvw <= 1).all():
+            mask = trilinear(a[f"mask_{a['patch_mask'][patch]}"].astype(float), uvw, "") / 255
+        c = texture(patch, uvw)
+        x = x * (1 - mask) + mask * np.append(c[:3] * c[3], c[3])
+        m = m * (1 - mask) + mask
+    if m < 1 / 255:
+        oldest = layers[0]
+        c = texture(a["layer_patch"][oldest], barycentric @ a["layer_uvw"][oldest].astype(float))
+        return np.append(srgb(c[:3]), 255 * c[3])
+    x /= m
+    return np.append(srgb(x[:3] / x[3]) if x[3] > 0 else np.zeros(3), 255 * x[3])
+
+
+random = np.random.default_rng(1)
+tets = random.integers(len(a["tets"]), size=40)
+weights = random.dirichlet(np.ones(4) * 2, size=40)
+points = [w @ a["vertices"][a["tets"][t]] for t, w in zip(tets, weights)]
+command = [lapis, "info", path, "--json"] + [f"--at={p[0]!r},{p[1]!r},{p[2]!r}" for p in map(np.ndarray.tolist, points)]
+answers = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)["measures"]["at"]
+worst = 0.0
+for answer, t in zip(answers, tets):
+    # A point on a face may be found in the neighbour; colours agree there only where the layers do.
+    found, barycentric = answer["tet"], np.array(answer["barycentric"])
+    ours = colour(found, barycentric)
+    worst = max(worst, np.abs(ours - answer["colour"]).max())
+    depth = barycentric @ a["depth"][a["tets"][found]]
+    assert abs(depth - answer["depth"]) < 1e-9
+# The program rounds to whole bytes.
+assert worst <= 1.0, f"{path}: colours differ by {worst:.2f}/255"
+print(f"{path}: {len(points)} colours recomputed, at most {worst:.2f}/255 apart")
