@@ -28,7 +28,9 @@ impl Failure {
     }
 
     /// `what` could not be done because of an error.
-    pub(crate) fn because<E: Error + Send + Sync + 'static>(what: impl Into<String>) -> impl FnOnce(E) -> Self {
+    pub(crate) fn because<E: Error + Send + Sync + 'static>(
+        what: impl Into<String>,
+    ) -> impl FnOnce(E) -> Self {
         let what = what.into();
         move |why| Self::Run { what: Some(what), why: Box::new(why) }
     }

@@ -152,7 +152,8 @@ fn tri_mesh(report: &mut Report, mesh: &TriMesh, session: &Session) -> Result<()
             report.add(&cleaned);
             report.measure("volume", mesh.volume());
             let defects = lapis::mesh::defects(&mesh, session.exec())?;
-            report.measure("defects", if defects.is_empty() { "none".to_owned() } else { defects.to_string() });
+            report
+                .measure("defects", if defects.is_empty() { "none".to_owned() } else { defects.to_string() });
         }
         Err(e) => report.measure("defects", e.to_string()),
     }

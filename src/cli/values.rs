@@ -1,7 +1,7 @@
 //! Values of options: vectors, planes, polylines, lengths and depths.
 
-use lapis::cut::CutSurface;
 use glam::DVec3;
+use lapis::cut::CutSurface;
 
 fn numbers(text: &str) -> Result<Vec<f64>, String> {
     text.split(',')

@@ -427,7 +427,9 @@ impl<'a> Clump<'a> {
                 let columns = self.columns(t);
                 let volume = mesh.tet_volume(t as usize);
                 for (column, axis) in columns.iter().zip(DVec3::AXES) {
-                    pasted.fit.angles.push((column.angle_between(axis).to_degrees() as f32, volume));
+                    // A column that vanished points nowhere: as wrong as can be.
+                    let cosine = column.try_normalize().map_or(-1.0, |c| c.dot(axis).clamp(-1.0, 1.0));
+                    pasted.fit.angles.push((cosine.acos().to_degrees() as f32, volume));
                 }
                 let det = columns[0].dot(columns[1].cross(columns[2]));
                 pasted.fit.inverted += usize::from(det <= INVERTED);

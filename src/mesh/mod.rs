@@ -1,15 +1,17 @@
 //! Triangle meshes from files, and the tetrahedra that fill them.
 
-mod mesher;
 mod locate;
+mod mesher;
+mod read;
 #[cfg(test)]
 pub(crate) mod shapes;
 mod tet;
 mod tet_files;
 mod tri;
 
-pub use mesher::{Mesher, MesherError, MesherLimits, tetgen_helper};
 pub use locate::TetLocator;
+pub use mesher::{Mesher, MesherError, MesherLimits, tetgen_helper};
+pub use read::{MAX_MESH_ELEMENTS, MESH_EXTENSIONS, MeshFault, MeshReadError, Place, read};
 pub(crate) use tet::index;
 pub use tet::{BoundaryFace, FaceOrigin, NONE, TET_FACES, TetMesh, TopologyError, gradients, signed_volume};
 pub use tet_files::{TetFileError, read_tets, write_tets};

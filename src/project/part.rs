@@ -151,7 +151,9 @@ fn how_to_give(input: &str) -> &'static str {
     match input {
         "depth" => "paint it ([depth] in a project file; --core on the command line)",
         "direction" => "set it ([direction] in a project file; --direction on the command line)",
-        _ => "the world length of one unit of texture ([scale] in a project file; --scale on the command line)",
+        _ => {
+            "the world length of one unit of texture ([scale] in a project file; --scale on the command line)"
+        }
     }
 }
 
@@ -203,7 +205,8 @@ pub fn tet_mesh(
     let mut report = Report::default();
     let mut start = Instant::now();
     if is_tet_file(path) {
-        let mesh = mesh::read_tets(path).map_err(|source| PartError::TetFile { path: path.to_owned(), source })?;
+        let mesh =
+            mesh::read_tets(path).map_err(|source| PartError::TetFile { path: path.to_owned(), source })?;
         report.took("read", start);
         report.count("tetrahedra", mesh.tets.len());
         report.count("vertices", mesh.vertices.len());
@@ -252,8 +255,8 @@ pub fn fill_part(
     let fields = fields(part, &mesh, exec)?;
     report.took("fields", start);
     let start = Instant::now();
-    let (solid, filled) =
-        lap::fill(mesh, Arc::new(texture), part.kind, &fields, &part.fill, seed, exec).map_err(PartError::Fill)?;
+    let (solid, filled) = lap::fill(mesh, Arc::new(texture), part.kind, &fields, &part.fill, seed, exec)
+        .map_err(PartError::Fill)?;
     report.add(&filled);
     report.took("fill", start);
     Ok((solid, report))
@@ -265,9 +268,9 @@ fn read_volume(path: &Path) -> Result<SolidTexture, PartError> {
 
 fn fields(part: &Part, mesh: &TetMesh, exec: &Exec) -> Result<Fields, PartError> {
     let depth = match &part.depth {
-        Some(input) => Some(
-            field::depth_field(mesh, &input.paint, &input.params, exec).map_err(PartError::Depth)?,
-        ),
+        Some(input) => {
+            Some(field::depth_field(mesh, &input.paint, &input.params, exec).map_err(PartError::Depth)?)
+        }
         None => None,
     };
     let direction = match &part.direction {
@@ -282,9 +285,9 @@ fn fields(part: &Part, mesh: &TetMesh, exec: &Exec) -> Result<Fields, PartError>
         None => None,
     };
     let scale = match &part.scale {
-        Some(input) => Some(
-            field::scale_field(mesh, input.everywhere, &input.at, exec).map_err(PartError::Scale)?,
-        ),
+        Some(input) => {
+            Some(field::scale_field(mesh, input.everywhere, &input.at, exec).map_err(PartError::Scale)?)
+        }
         None => None,
     };
     Ok(Fields { depth: depth.map(|d| d.values), direction, scale })

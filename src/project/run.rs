@@ -218,9 +218,11 @@ impl Work<'_> {
         for model in &picture.show {
             match *model {
                 Model::Pieces { cut } => {
-                    shown.extend(models.range(
-                        Model::Piece { cut, piece: 0 }..=Model::Piece { cut, piece: usize::MAX },
-                    ).map(|(_, solid)| solid));
+                    shown.extend(
+                        models
+                            .range(Model::Piece { cut, piece: 0 }..=Model::Piece { cut, piece: usize::MAX })
+                            .map(|(_, solid)| solid),
+                    );
                 }
                 model => {
                     shown.push(self.find(models, model, || format!("the picture '{}'", entry.name))?);

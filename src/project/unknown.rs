@@ -24,7 +24,9 @@ impl std::error::Error for Complaint {}
 
 /// The complaint of `toml` about `text`, with the nearest known key where a key is unknown.
 pub(super) fn complaint(text: &str, error: &toml::de::Error) -> Complaint {
-    let line = error.span().map(|span| text.as_bytes()[..span.start.min(text.len())].iter().filter(|&&b| b == b'\n').count() + 1);
+    let line = error.span().map(|span| {
+        text.as_bytes()[..span.start.min(text.len())].iter().filter(|&&b| b == b'\n').count() + 1
+    });
     let message = hint(error.message()).unwrap_or_else(|| error.message().to_owned());
     Complaint { line, message }
 }
@@ -66,7 +68,10 @@ mod tests {
 
     #[test]
     fn a_misspelt_key_finds_its_neighbour() {
-        assert_eq!(complain("skin = 1\nstorke = \"a\""), "line 2: unknown key 'storke'; did you mean 'stroke'?");
+        assert_eq!(
+            complain("skin = 1\nstorke = \"a\""),
+            "line 2: unknown key 'storke'; did you mean 'stroke'?"
+        );
         assert_eq!(complain("\n\ncolour = 1"), "line 3: unknown key 'colour'; known here: skin, stroke");
         assert!(complain("skin = true").starts_with("line 1: invalid type: boolean"));
         assert!(complain("skin =").starts_with("line 1: "));
