@@ -2,17 +2,24 @@
 
 mod locate;
 mod mesher;
+mod boxes;
+mod defects;
+mod edges;
+mod exact;
 mod read;
 #[cfg(test)]
 pub(crate) mod shapes;
 mod tet;
 mod tet_files;
 mod tri;
+mod write;
 
 pub use locate::TetLocator;
 pub use mesher::{Mesher, MesherError, MesherLimits, tetgen_helper};
+pub use defects::{AtEdge, AtTriangle, AtVertex, Crossing, Defects, Found, Hole, MAX_CROSSINGS, PLACES, defects};
 pub use read::{MAX_MESH_ELEMENTS, MESH_EXTENSIONS, MeshFault, MeshReadError, Place, read};
 pub(crate) use tet::index;
 pub use tet::{BoundaryFace, FaceOrigin, NONE, TET_FACES, TetMesh, TopologyError, gradients, signed_volume};
 pub use tet_files::{TetFileError, read_tets, write_tets};
 pub use tri::TriMesh;
+pub use write::write_obj;
