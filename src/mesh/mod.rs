@@ -11,6 +11,7 @@ mod read;
 pub(crate) mod shapes;
 mod tet;
 mod tet_files;
+mod tetrahedralise;
 mod tri;
 mod write;
 
@@ -21,5 +22,29 @@ pub use read::{MAX_MESH_ELEMENTS, MESH_EXTENSIONS, MeshFault, MeshReadError, Pla
 pub(crate) use tet::index;
 pub use tet::{BoundaryFace, FaceOrigin, NONE, TET_FACES, TetMesh, TopologyError, gradients, signed_volume};
 pub use tet_files::{TetFileError, read_tets, write_tets};
+pub use tetrahedralise::{
+    MAX_TETS, Simplified, TetError, TetParams, TetReport, tetrahedralise, tetrahedralise_within,
+};
 pub use tri::TriMesh;
 pub use write::write_obj;
+
+// SEAM until the checks of triangle meshes are merged.
+/// Defects.
+#[derive(Debug)]
+pub struct Defects;
+impl Defects {
+    /// None.
+    pub fn is_empty(&self) -> bool {
+        true
+    }
+}
+impl std::fmt::Display for Defects {
+    fn fmt(&self, _: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        Ok(())
+    }
+}
+/// Finds none.
+pub fn defects(_: &TriMesh, exec: &crate::exec::Exec) -> Result<Defects, crate::exec::Cancelled> {
+    exec.check()?;
+    Ok(Defects)
+}

@@ -189,7 +189,8 @@ pub(crate) fn index(i: usize) -> u32 {
     u32::try_from(i).expect("meshes are limited to 2³² elements")
 }
 
-fn neighbours(tets: &[[u32; 4]]) -> Result<Vec<[u32; 4]>, TopologyError> {
+/// The tetrahedron across each face, or [`NONE`].
+pub(super) fn neighbours(tets: &[[u32; 4]]) -> Result<Vec<[u32; 4]>, TopologyError> {
     let mut sides: Vec<([u32; 3], u32, u8)> = Vec::with_capacity(tets.len() * 4);
     for (t, tet) in tets.iter().enumerate() {
         for (k, face) in TET_FACES.iter().enumerate() {

@@ -1,0 +1,165 @@
+//! The surface that is handed to TetGen: the input's, with long edges split or with fewer triangles.
+
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
+
+use glam::DVec3;
+
+use crate::exec::{Cancelled, Exec};
+use crate::mesh::{TriMesh, index};
+
+/// A surface and where its triangles come from.
+#[derive(Debug, Clone)]
+pub(super) struct Surface {
+    /// Vertices and triangles.
+    pub(super) mesh: TriMesh,
+    /// For each triangle the input's triangle that it lies on; `None` where the surface was simplified.
+    pub(super) origin: Option<Vec<u32>>,
+}
+
+impl Surface {
+    /// The input itself, without the vertices that no triangle uses.
+    pub(super) fn of(mesh: &TriMesh) -> Self {
+        let origin = Some((0..index(mesh.triangles.len())).collect());
+        Self { mesh: without_unused(mesh), origin }
+    }
+
+    /// Splits edges that are longer than `limit` at their middles, longest first; the shape stays as it
+    /// is. Returns the number of splits. Stops where the surface has `most` triangles.
+    pub(super) fn split_long_edges(
+        &mut self,
+        limit: f64,
+        most: usize,
+        exec: &Exec,
+    ) -> Result<usize, Cancelled> {
+        let Self { mesh: TriMesh { vertices, triangles }, origin } = self;
+        // Looked up, never walked through: the order of a hash map must not show.
+        let mut at_edge: HashMap<[u32; 2], Vec<u32>> = HashMap::with_capacity(triangles.len() * 3 / 2);
+        let mut long = BinaryHeap::new();
+        let rank = |[a, b]: [u32; 2], vertices: &[DVec3]| {
+            // The bits of numbers that are not negative sort as the numbers do.
+            let length = vertices[a as usize].distance(vertices[b as usize]);
+            (length > limit).then(|| (length.to_bits(), Reverse([a, b])))
+        };
+        for (t, triangle) in triangles.iter().enumerate() {
+            for edge in edges(*triangle) {
+                let here = at_edge.entry(edge).or_default();
+                if here.is_empty() {
+                    long.extend(rank(edge, vertices));
+                }
+                here.push(index(t));
+            }
+        }
+        let mut splits = 0;
+        while let Some((_, Reverse([a, b]))) = long.pop() {
+            if triangles.len() >= most {
+                break;
+            }
+            if splits % 4096 == 0 {
+                exec.check()?;
+            }
+            let middle = index(vertices.len());
+            vertices.push(vertices[a as usize].midpoint(vertices[b as usize]));
+            splits += 1;
+            for t in at_edge.remove(&[a, b]).unwrap_or_default() {
+                // The half at `a` keeps the triangle's place, the half at `b` comes last.
+                let old = triangles[t as usize];
+                let new = index(triangles.len());
+                triangles[t as usize] = old.map(|v| if v == b { middle } else { v });
+                triangles.push(old.map(|v| if v == a { middle } else { v }));
+                if let Some(origin) = origin {
+                    let from = origin[t as usize];
+                    origin.push(from);
+                }
+                let Some(tip) = old.into_iter().find(|v| *v != a && *v != b) else { continue };
+                for other in at_edge.entry(sorted(b, tip)).or_default() {
+                    if *other == t {
+                        *other = new;
+                    }
+                }
+                at_edge.insert(sorted(middle, tip), vec![t, new]);
+                long.extend(rank(sorted(middle, tip), vertices));
+                at_edge.entry(sorted(a, middle)).or_default().push(t);
+                at_edge.entry(sorted(middle, b)).or_default().push(new);
+            }
+            long.extend(rank(sorted(a, middle), vertices));
+            long.extend(rank(sorted(middle, b), vertices));
+        }
+        Ok(splits)
+    }
+}
+
+/// The mesh without the vertices that no triangle uses; the others keep their order.
+pub(super) fn without_unused(mesh: &TriMesh) -> TriMesh {
+    let mut new = vec![None; mesh.vertices.len()];
+    for &v in mesh.triangles.iter().flatten() {
+        new[v as usize] = Some(0);
+    }
+    let mut vertices = Vec::new();
+    for (slot, p) in new.iter_mut().zip(&mesh.vertices) {
+        if slot.is_some() {
+            *slot = Some(index(vertices.len()));
+            vertices.push(*p);
+        }
+    }
+    let triangles = mesh.triangles.iter().map(|t| t.map(|v| new[v as usize].unwrap_or(0))).collect();
+    TriMesh { vertices, triangles }
+}
+
+/// Area of all triangles.
+pub(super) fn area(mesh: &TriMesh) -> f64 {
+    (0..mesh.triangles.len())
+        .map(|t| {
+            let [a, b, c] = mesh.corners(t);
+            (b - a).cross(c - a).length() / 2.0
+        })
+        .sum()
+}
+
+fn sorted(a: u32, b: u32) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+fn edges([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
+    [sorted(a, b), sorted(b, c), sorted(c, a)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::shapes;
+    use super::*;
+
+    #[test]
+    fn splitting_keeps_the_shape_and_closes_every_edge() {
+        let cube = shapes::cuboid(DVec3::new(1.0, 2.0, 3.0));
+        let mut surface = Surface::of(&cube);
+        let splits = surface.split_long_edges(0.3, usize::MAX, &Exec::default()).unwrap();
+        let mesh = &surface.mesh;
+        assert_eq!(mesh.vertices.len(), 8 + splits);
+        assert_eq!(mesh.vertices[..8], cube.vertices[..]);
+        assert!((area(mesh) - 22.0).abs() < 1e-12 && (mesh.volume() - 6.0).abs() < 1e-12);
+        let mut directed: Vec<[u32; 2]> =
+            mesh.triangles.iter().flat_map(|[a, b, c]| [[*a, *b], [*b, *c], [*c, *a]]).collect();
+        directed.sort_unstable();
+        let whole = directed.len();
+        directed.dedup();
+        assert_eq!(directed.len(), whole, "each edge once in each direction");
+        for [a, b] in &directed {
+            assert!(directed.binary_search(&[*b, *a]).is_ok());
+            assert!(mesh.vertices[*a as usize].distance(mesh.vertices[*b as usize]) <= 0.3);
+        }
+        for (t, from) in surface.origin.as_ref().unwrap().iter().enumerate() {
+            let corners = cube.corners(*from as usize);
+            for p in mesh.corners(t) {
+                assert!(p.distance(super::super::nearest::closest(p, corners)) < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn splitting_stops_at_the_most() {
+        let mut surface = Surface::of(&shapes::cuboid(DVec3::ONE));
+        surface.split_long_edges(1e-6, 100, &Exec::default()).unwrap();
+        assert!((100..=102).contains(&surface.mesh.triangles.len()));
+    }
+}
