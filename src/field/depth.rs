@@ -1,0 +1,473 @@
+//! The depth field \[LST 4.3, 5.2.2\]: 0 on the outside, 1 innermost.
+
+use glam::DVec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::graph::Graph;
+use super::stroke::sample;
+use super::{Kernel, Rbf, RbfError, RbfParams, tet_gradients};
+use crate::exec::{Cancelled, Exec};
+use crate::mesh::{FaceOrigin, TetLocator, TetMesh, index};
+use crate::solve::SolveError;
+
+/// What was painted with depths.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DepthPaint {
+    /// The depth of the whole surface of the input mesh, in [0, 1]; `None`: not painted.
+    pub skin: Option<f64>,
+    /// Strokes drawn inside, on cross-sections or on the surface.
+    pub strokes: Vec<DepthStroke>,
+}
+
+/// A polyline of one depth; a single point is a dot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DepthStroke {
+    /// Its points, in the mesh's unit. At least one.
+    pub points: Vec<DVec3>,
+    /// Its depth, in [0, 1].
+    pub depth: f64,
+}
+
+/// How the depth field is interpolated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, clap::Args)]
+#[serde(deny_unknown_fields, default)]
+pub struct DepthParams {
+    /// The radial function: biharmonic is |r|, triharmonic |r|³, smoother but flat around the innermost part
+    #[arg(id = "depth_kernel", long = "depth-kernel", value_enum, default_value_t = Kernel::Biharmonic)]
+    pub kernel: Kernel,
+    /// The greatest error of depth left at a painted point where there are more of them than centres
+    #[arg(id = "depth_tolerance", long = "depth-tolerance", default_value_t = 1e-3)]
+    pub tolerance: f64,
+    /// Most centres of the radial functions: time grows with their cube
+    #[arg(id = "depth_centres", long = "depth-centres", default_value_t = 3000)]
+    pub max_centres: usize,
+}
+
+impl Default for DepthParams {
+    fn default() -> Self {
+        Self { kernel: Kernel::Biharmonic, tolerance: 1e-3, max_centres: 3000 }
+    }
+}
+
+/// Why there is no depth field.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum DepthError {
+    /// The mesh has no tetrahedra.
+    #[error("the mesh has no tetrahedra")]
+    EmptyMesh,
+    /// Neither skin nor strokes.
+    #[error("nothing is painted with a depth; paint the skin with 0 and a stroke along the axis with 1")]
+    NothingPainted,
+    /// The skin's depth is not in [0, 1].
+    #[error("the skin's depth is {0}; depths run from 0 (outside) to 1 (innermost)")]
+    SkinDepth(f64),
+    /// A stroke's depth is not in [0, 1].
+    #[error("the depth of depth stroke {stroke} is {depth}; depths run from 0 (outside) to 1 (innermost)")]
+    StrokeDepth {
+        /// The stroke, from 0.
+        stroke: usize,
+        /// Its depth.
+        depth: f64,
+    },
+    /// A stroke without points.
+    #[error("depth stroke {stroke} has no points")]
+    EmptyStroke {
+        /// The stroke, from 0.
+        stroke: usize,
+    },
+    /// A coordinate of a stroke is NaN or infinite.
+    #[error("point {point} of depth stroke {stroke} is not finite")]
+    NotFinite {
+        /// The stroke, from 0.
+        stroke: usize,
+        /// The point in it, from 0.
+        point: usize,
+    },
+    /// A stroke that lies outside the mesh, or on a surface painted with another depth.
+    #[error(
+        "depth stroke {stroke} lies wholly outside the mesh or on a surface painted with another depth; \
+         draw it inside"
+    )]
+    StrokeMisses {
+        /// The stroke, from 0.
+        stroke: usize,
+    },
+    /// The skin is painted, but the mesh has nothing of the input surface left.
+    #[error("the skin is painted, but no face of the mesh lies on the input surface")]
+    NoSkin,
+    /// Only one depth.
+    #[error("everything painted has depth {0}; paint a second depth, such as a stroke of 1 along the axis")]
+    OneDepth(f64),
+    /// The constraints could not be interpolated.
+    #[error("the depth field cannot be interpolated: {0}")]
+    Fit(RbfError),
+    /// Cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl From<RbfError> for DepthError {
+    fn from(error: RbfError) -> Self {
+        match error {
+            RbfError::Cancelled(c) => Self::Cancelled(c),
+            RbfError::OneValue(depth) => Self::OneDepth(depth),
+            RbfError::Empty => Self::NothingPainted,
+            other => Self::Fit(other),
+        }
+    }
+}
+
+impl From<SolveError> for DepthError {
+    fn from(error: SolveError) -> Self {
+        Self::Fit(error.into())
+    }
+}
+
+/// How the depth field came out.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct DepthReport {
+    /// Painted points, after merging and thinning.
+    pub constraints: usize,
+    /// Centres of the radial functions.
+    pub centres: usize,
+    /// The greatest error of depth left at a painted point; vertices of painted faces have none in any case.
+    pub residual: f64,
+    /// Vertices whose interpolated depth lay outside [0, 1].
+    pub clamped: usize,
+    /// Tetrahedra whose four depths are equal: their gradient is 0.
+    pub flat: usize,
+}
+
+/// Depth everywhere: 0 outermost, 1 innermost.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DepthField {
+    /// Depth at each vertex of the mesh, in [0, 1].
+    pub values: Vec<f64>,
+    /// How it came out.
+    pub report: DepthReport,
+    rbf: Rbf,
+}
+
+impl DepthField {
+    /// Depth at any point, in [0, 1].
+    #[must_use]
+    pub fn value(&self, p: DVec3) -> f64 {
+        self.rbf.value(p).clamp(0.0, 1.0)
+    }
+
+    /// Gradient of the depth at any point, per unit of length; analytic. Not cut off where the depth is
+    /// clamped.
+    #[must_use]
+    pub fn gradient(&self, p: DVec3) -> DVec3 {
+        self.rbf.gradient(p)
+    }
+}
+
+/// What has to hold, whichever tool painted it.
+#[derive(Default)]
+struct Constraints {
+    /// Depths that vertices have exactly.
+    vertices: Vec<(u32, f64)>,
+    /// Depths at points between them.
+    points: Vec<(DVec3, f64)>,
+}
+
+/// Interpolates painted depths over the mesh by radial basis functions with a linear part.
+///
+/// Vertices of painted faces get exactly the painted depth; strokes are sampled at the mesh's mean
+/// edge length. Where a stroke leaves the mesh, or runs into a surface painted with another depth, its
+/// points there do not count: an axis may be drawn from pole to pole.
+///
+/// # Errors
+/// [`DepthError`].
+pub fn depth_field(
+    mesh: &TetMesh,
+    paint: &DepthPaint,
+    params: &DepthParams,
+    exec: &Exec,
+) -> Result<DepthField, DepthError> {
+    check(mesh, paint)?;
+    let _stage = exec.stage("depth", 0);
+    let spacing = Graph::new(mesh).mean_edge;
+    let mut constraints = Constraints::default();
+    if let Some(depth) = paint.skin {
+        paint_skin(mesh, depth, spacing, &mut constraints)?;
+    }
+    exec.check()?;
+    paint_strokes(mesh, paint, spacing, &mut constraints)?;
+
+    let all: Vec<(DVec3, f64)> = constraints
+        .vertices
+        .iter()
+        .map(|&(v, depth)| (mesh.vertices[v as usize], depth))
+        .chain(constraints.points)
+        .collect();
+    let fit =
+        RbfParams { kernel: params.kernel, tolerance: params.tolerance, max_centres: params.max_centres };
+    let (rbf, fitted) = Rbf::fit(&all, &fit, exec)?;
+    exec.check()?;
+    let mut values: Vec<f64> = exec.install(|| mesh.vertices.par_iter().map(|p| rbf.value(*p)).collect());
+    for (v, depth) in constraints.vertices {
+        values[v as usize] = depth;
+    }
+    let clamped = values.iter().filter(|d| !(0.0..=1.0).contains(*d)).count();
+    for d in &mut values {
+        *d = d.clamp(0.0, 1.0);
+    }
+    let flat = tet_gradients(mesh, &values).iter().filter(|g| **g == DVec3::ZERO).count();
+    let report = DepthReport {
+        constraints: fitted.constraints,
+        centres: fitted.centres,
+        residual: fitted.residual,
+        clamped,
+        flat,
+    };
+    Ok(DepthField { values, report, rbf })
+}
+
+fn check(mesh: &TetMesh, paint: &DepthPaint) -> Result<(), DepthError> {
+    if mesh.tets.is_empty() {
+        return Err(DepthError::EmptyMesh);
+    }
+    if paint.skin.is_none() && paint.strokes.is_empty() {
+        return Err(DepthError::NothingPainted);
+    }
+    if let Some(depth) = paint.skin.filter(|d| !(0.0..=1.0).contains(d)) {
+        return Err(DepthError::SkinDepth(depth));
+    }
+    for (stroke, s) in paint.strokes.iter().enumerate() {
+        if !(0.0..=1.0).contains(&s.depth) {
+            return Err(DepthError::StrokeDepth { stroke, depth: s.depth });
+        }
+        if s.points.is_empty() {
+            return Err(DepthError::EmptyStroke { stroke });
+        }
+        if let Some(point) = s.points.iter().position(|p| !p.is_finite()) {
+            return Err(DepthError::NotFinite { stroke, point });
+        }
+    }
+    Ok(())
+}
+
+/// The vertices of the input surface, and points between them on faces far larger than the mesh's edges.
+fn paint_skin(
+    mesh: &TetMesh,
+    depth: f64,
+    spacing: f64,
+    constraints: &mut Constraints,
+) -> Result<(), DepthError> {
+    let mut painted = vec![false; mesh.vertices.len()];
+    for face in mesh.boundary.iter().filter(|f| matches!(f.origin, FaceOrigin::Input(_))) {
+        let [a, b, c] = mesh.face_vertices(face).map(|v| {
+            painted[v as usize] = true;
+            mesh.vertices[v as usize]
+        });
+        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+        if longest < 1.6 * spacing {
+            continue;
+        }
+        let order = (longest / spacing).ceil().min(16.0) as u32;
+        for i in 0..=order {
+            for j in 0..=order - i {
+                let k = order - i - j;
+                if i.max(j).max(k) < order {
+                    let p = (a * f64::from(i) + b * f64::from(j) + c * f64::from(k)) / f64::from(order);
+                    constraints.points.push((p, depth));
+                }
+            }
+        }
+    }
+    let vertices = painted.iter().enumerate().filter(|(_, p)| **p);
+    constraints.vertices.extend(vertices.map(|(v, _)| (index(v), depth)));
+    if constraints.vertices.is_empty() { Err(DepthError::NoSkin) } else { Ok(()) }
+}
+
+fn paint_strokes(
+    mesh: &TetMesh,
+    paint: &DepthPaint,
+    spacing: f64,
+    constraints: &mut Constraints,
+) -> Result<(), DepthError> {
+    if paint.strokes.is_empty() {
+        return Ok(());
+    }
+    let locator = TetLocator::new(mesh);
+    let mut on_skin = vec![[false; 4]; mesh.tets.len()];
+    let mut skin_vertex = vec![false; mesh.vertices.len()];
+    for &(v, _) in &constraints.vertices {
+        skin_vertex[v as usize] = true;
+    }
+    for face in mesh.boundary.iter().filter(|f| matches!(f.origin, FaceOrigin::Input(_))) {
+        on_skin[face.tet as usize][face.face as usize] = true;
+    }
+    for (stroke, s) in paint.strokes.iter().enumerate() {
+        let other_skin = paint.skin.is_some_and(|skin| skin != s.depth);
+        let counts = |p: DVec3| {
+            let Some((tet, b)) = locator.nearest(p) else {
+                return false;
+            };
+            let closest: DVec3 = mesh.corners(tet).into_iter().zip(b).map(|(v, b)| v * b).sum();
+            let gradients = mesh.gradients(tet);
+            let near = 1e-3 * spacing;
+            // The distance to face k is bₖ/|∇bₖ|. A tetrahedron may touch the skin with a vertex only.
+            let touches = (0..4).any(|k| {
+                (on_skin[tet][k] && b[k] < near * gradients[k].length())
+                    || (skin_vertex[mesh.tets[tet][k] as usize] && b[k] > 0.999)
+            });
+            closest.distance(p) <= spacing && !(other_skin && touches)
+        };
+        let before = constraints.points.len();
+        let samples = sample(&s.points, spacing);
+        constraints.points.extend(samples.iter().map(|q| (q.point, s.depth)).filter(|(p, _)| counts(*p)));
+        if constraints.points.len() == before {
+            return Err(DepthError::StrokeMisses { stroke });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::shapes::{ball, grid, mapped};
+
+    /// A fruit: 5,120 tetrahedra, skin 0, the axis from pole to pole at 1.
+    fn fruit(kernel: Kernel) -> (TetMesh, DepthField) {
+        let mesh = mapped(&ball(2, 6), |p| p * DVec3::new(1.0, 1.0, 1.4));
+        let axis = DepthStroke { points: vec![DVec3::Z * -1.4, DVec3::Z * 1.4], depth: 1.0 };
+        let paint = DepthPaint { skin: Some(0.0), strokes: vec![axis] };
+        let params = DepthParams { kernel, ..DepthParams::default() };
+        let field = depth_field(&mesh, &paint, &params, &Exec::default()).unwrap();
+        (mesh, field)
+    }
+
+    #[test]
+    fn depth_rises_from_the_skin_to_the_axis() {
+        let (mesh, field) = fruit(Kernel::Biharmonic);
+        assert_eq!(field.report.flat, 0, "{:?}", field.report);
+        for face in &mesh.boundary {
+            assert!(mesh.face_vertices(face).iter().all(|&v| field.values[v as usize] == 0.0));
+        }
+        for z in [-0.7, 0.0, 0.4] {
+            for angle in 0..8 {
+                let (y, x) = (f64::from(angle) * 0.8).sin_cos();
+                let radius = (1.0f64 - z * z / 1.96).sqrt() * 0.95;
+                let at = |k: u32| {
+                    DVec3::new(x * radius, y * radius, 0.0) * (1.0 - f64::from(k) / 20.0) + DVec3::Z * z
+                };
+                let depths: Vec<f64> = (0..=20).map(|k| field.rbf.value(at(k))).collect();
+                assert!(depths.windows(2).all(|w| w[1] > w[0]), "z {z} angle {angle}: {depths:?}");
+                // No plateau: from skin to axis the slope stays within a factor of its mean.
+                let slopes: Vec<f64> = depths.windows(2).map(|w| (w[1] - w[0]) * 20.0).collect();
+                assert!(slopes[..19].iter().all(|s| (0.1..4.0).contains(s)), "{slopes:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn gradients_agree_with_differences() {
+        for kernel in [Kernel::Biharmonic, Kernel::Triharmonic] {
+            let (_, field) = fruit(kernel);
+            for p in [DVec3::new(0.4, 0.1, 0.2), DVec3::new(-0.3, 0.5, -0.6)] {
+                let h = 1e-6;
+                let difference = DVec3::from_array(std::array::from_fn(|k| {
+                    let step = DVec3::AXES[k] * h;
+                    (field.value(p + step) - field.value(p - step)) / (2.0 * h)
+                }));
+                assert!((field.gradient(p) - difference).length() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn two_parallel_sheets_give_a_linear_depth() {
+        let mesh = grid(4);
+        let sheet = |z: f64| (0..5).map(move |k| DVec3::new(0.25 * f64::from(k), 0.0, z));
+        let strokes = [(0.0, 0.0), (1.0, 1.0)]
+            .iter()
+            .flat_map(|&(z, depth)| {
+                (0..5).map(move |j| DepthStroke {
+                    points: sheet(z).map(|p| p + DVec3::Y * 0.25 * f64::from(j)).collect(),
+                    depth,
+                })
+            })
+            .collect();
+        let paint = DepthPaint { skin: None, strokes };
+        let field = depth_field(&mesh, &paint, &DepthParams::default(), &Exec::default()).unwrap();
+        for (p, d) in mesh.vertices.iter().zip(&field.values) {
+            assert!((p.z - d).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn the_unit_and_the_threads_do_not_matter() {
+        let mesh = mapped(&ball(1, 4), |p| p + DVec3::splat(0.5));
+        let paint = |scale: f64| DepthPaint {
+            skin: Some(0.0),
+            strokes: vec![DepthStroke { points: vec![DVec3::splat(0.5) * scale], depth: 1.0 }],
+        };
+        let params = DepthParams::default();
+        let run = |threads| {
+            let exec = Exec::with_threads(threads).unwrap();
+            depth_field(&mesh, &paint(1.0), &params, &exec).unwrap()
+        };
+        assert_eq!(run(1), run(2));
+        let large = mapped(&mesh, |p| p * 1e4);
+        let scaled = depth_field(&large, &paint(1e4), &params, &Exec::default()).unwrap();
+        for (a, b) in run(1).values.iter().zip(scaled.values) {
+            assert!((a - b).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn large_faces_are_painted_between_their_vertices() {
+        // Twenty huge faces around a fine inside: between their vertices there must still be skin.
+        let mesh = mapped(&ball(0, 6), |p| p * 3.0);
+        let dot = DepthStroke { points: vec![DVec3::ZERO], depth: 1.0 };
+        let paint = DepthPaint { skin: Some(0.0), strokes: vec![dot] };
+        let field = depth_field(&mesh, &paint, &DepthParams::default(), &Exec::default()).unwrap();
+        for face in &mesh.boundary {
+            let [a, b, c] = mesh.face_vertices(face).map(|v| mesh.vertices[v as usize]);
+            for p in [(a + b + c) / 3.0, a * 0.6 + b * 0.2 + c * 0.2, (a + b) / 2.0] {
+                assert!(field.rbf.value(p).abs() < 0.05, "{}", field.rbf.value(p));
+            }
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_a_depth_field_is_named() {
+        let mesh = ball(1, 3);
+        let stroke = |points: &[DVec3], depth| DepthStroke { points: points.to_vec(), depth };
+        let error = |skin, strokes: &[DepthStroke]| {
+            let paint = DepthPaint { skin, strokes: strokes.to_vec() };
+            depth_field(&mesh, &paint, &DepthParams::default(), &Exec::default()).unwrap_err()
+        };
+        assert_eq!(error(None, &[]), DepthError::NothingPainted);
+        assert_eq!(error(Some(0.0), &[]), DepthError::OneDepth(0.0));
+        assert_eq!(error(Some(1.5), &[]), DepthError::SkinDepth(1.5));
+        assert!(matches!(error(Some(f64::NAN), &[]), DepthError::SkinDepth(_)));
+        let good = stroke(&[DVec3::ZERO], 1.0);
+        let bad = stroke(&[DVec3::ZERO], -0.1);
+        assert_eq!(error(None, &[good.clone(), bad]), DepthError::StrokeDepth { stroke: 1, depth: -0.1 });
+        assert_eq!(error(Some(0.0), &[stroke(&[], 1.0)]), DepthError::EmptyStroke { stroke: 0 });
+        let nan = stroke(&[DVec3::ZERO, DVec3::NAN], 1.0);
+        assert_eq!(error(Some(0.0), &[nan]), DepthError::NotFinite { stroke: 0, point: 1 });
+        let far = stroke(&[DVec3::X * 9.0], 1.0);
+        assert_eq!(error(Some(0.0), &[good.clone(), far]), DepthError::StrokeMisses { stroke: 1 });
+        let on_skin = stroke(&[mesh.vertices[mesh.vertices.len() - 1]], 1.0);
+        assert_eq!(error(Some(0.0), &[on_skin]), DepthError::StrokeMisses { stroke: 0 });
+        let other = stroke(&[DVec3::ZERO], 0.5);
+        let error = error(Some(0.0), &[good, other]);
+        assert!(matches!(error, DepthError::Fit(RbfError::Contradiction { .. })), "{error}");
+        let empty = depth_field(
+            &TetMesh::default(),
+            &DepthPaint { skin: Some(0.0), strokes: Vec::new() },
+            &DepthParams::default(),
+            &Exec::default(),
+        );
+        assert_eq!(empty.unwrap_err(), DepthError::EmptyMesh);
+    }
+}
