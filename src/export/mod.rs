@@ -1,1 +1,72 @@
 //! Files for other programs: GLB with a baked atlas, PLY with vertex colours.
+//!
+//! Both show the boundary of a lapped solid, outside and cut faces alike, in the mesh's own axes, with the
+//! normals that [`render`](crate::render) uses ([`Surface`](crate::render::Surface)).
+
+mod atlas;
+mod bake;
+mod charts;
+mod glb;
+mod pack;
+mod ply;
+
+pub use atlas::{Atlas, AtlasParams, MAX_ATLAS_SIDE};
+pub use glb::glb;
+pub use ply::{MAX_PLY_FACES, PlyParams, ply};
+
+use crate::exec::Cancelled;
+
+/// Why nothing was exported.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ExportError {
+    /// There are no boundary faces.
+    #[error("the model has no surface to export")]
+    Empty,
+    /// A position that single precision cannot hold.
+    #[error(
+        "vertex {vertex} lies at {coordinate:e}, outside what single precision holds; scale the model down"
+    )]
+    TooFar {
+        /// The vertex.
+        vertex: u32,
+        /// Its greatest coordinate.
+        coordinate: f64,
+    },
+    /// An atlas side that is no power of two, too small or too large.
+    #[error(
+        "an atlas of {0} texels a side: it must be a power of two from 64 to {MAX_ATLAS_SIDE}, or 0 to choose it"
+    )]
+    AtlasSize(u32),
+    /// The surface falls into more charts than the atlas holds.
+    #[error("{charts} charts do not fit into an atlas of {size}×{size} texels; ask for a larger atlas")]
+    AtlasFull {
+        /// Number of charts.
+        charts: usize,
+        /// Side of the atlas.
+        size: u32,
+    },
+    /// Too many faces.
+    #[error("{faces} faces split {subdivide} times make more than {MAX_PLY_FACES}; split fewer times")]
+    TooManyFaces {
+        /// Faces of the surface.
+        faces: usize,
+        /// Asked level.
+        subdivide: u32,
+    },
+    /// A GLB holds at most 4 GiB.
+    #[error("the GLB would need {0} bytes; the format ends at 4 GiB")]
+    TooLarge(u64),
+    /// The run was cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// A position in single precision.
+fn single(vertex: u32, p: glam::DVec3) -> Result<[f32; 3], ExportError> {
+    let s = p.as_vec3();
+    if s.is_finite() {
+        Ok(s.to_array())
+    } else {
+        Err(ExportError::TooFar { vertex, coordinate: p.abs().max_element() })
+    }
+}

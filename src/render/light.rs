@@ -13,14 +13,14 @@ pub(super) struct Light {
 }
 
 /// Parts of the light in a place that faces it; together 1, so that no colour is burnt out.
-const KEY: f64 = 0.65;
+const KEY: f64 = 0.7;
 const ALL_ROUND: f64 = 1.0 - KEY;
 /// What comes from below, as a part of what comes from above.
-const GROUND: f64 = 0.65;
+const GROUND: f64 = 0.6;
 /// How far the key light reaches round the edge: 0 is Lambert's law, 1 reaches the far side.
-const WRAP: f64 = 0.7;
+const WRAP: f64 = 0.55;
 /// Bends light towards 1, so that what faces the camera keeps nearly its own colour.
-const SHOULDER: f64 = 1.45;
+const SHOULDER: f64 = 1.4;
 
 impl Light {
     pub(super) fn new(view: &Projection, params: &RenderParams) -> Self {
