@@ -1,8 +1,17 @@
 //! Triangle meshes from files, and the tetrahedra that fill them.
 
+mod boxes;
+mod defects;
+mod edges;
+mod exact;
+mod read;
 mod tet;
 mod tri;
+mod write;
 
+pub use defects::{AtEdge, AtTriangle, AtVertex, Crossing, Defects, Found, Hole, MAX_CROSSINGS, PLACES, defects};
+pub use read::{MAX_MESH_ELEMENTS, MESH_EXTENSIONS, MeshFault, MeshReadError, Place, read};
 pub(crate) use tet::index;
 pub use tet::{BoundaryFace, FaceOrigin, NONE, TET_FACES, TetMesh, TopologyError, gradients, signed_volume};
 pub use tri::TriMesh;
+pub use write::write_obj;
