@@ -8,7 +8,7 @@ use crate::mesh::{TriMesh, index};
 
 /// How many corner-in-triangle tests one file's concave polygons may cost; after that, fans. It bounds the
 /// time that a hostile file can take (seconds) and is far from what any model needs.
-const EAR_TESTS: u64 = 1 << 30;
+const EAR_TESTS: u64 = 1 << 28;
 
 /// Vertices and polygons, being read.
 pub(super) struct Polygons {
@@ -88,7 +88,13 @@ impl Polygons {
     }
 
     fn bad_index(&self, face: usize, index: i64) -> MeshFault {
-        MeshFault::Index { face: face + self.first, index, first: self.first, count: self.vertices.len() }
+        MeshFault::Index {
+            place: Place::Whole,
+            face: face + self.first,
+            index,
+            first: self.first,
+            count: self.vertices.len(),
+        }
     }
 }
 
@@ -108,8 +114,10 @@ fn triangulate(vertices: &[DVec3], polygon: &[u32], tests: &mut u64, triangles: 
 fn project(vertices: &[DVec3], polygon: &[u32]) -> Vec<DVec2> {
     let at = |i: usize| vertices[polygon[i % polygon.len()] as usize];
     let origin = at(0);
-    let normal: DVec3 =
-        (1..polygon.len()).map(|i| (at(i) - origin).cross(at(i + 1) - origin)).sum::<DVec3>().normalize_or_zero();
+    let normal: DVec3 = (1..polygon.len())
+        .map(|i| (at(i) - origin).cross(at(i + 1) - origin))
+        .sum::<DVec3>()
+        .normalize_or_zero();
     if normal == DVec3::ZERO || !normal.is_finite() {
         return vec![DVec2::ZERO; polygon.len()];
     }
@@ -253,7 +261,7 @@ mod tests {
         }
         polygons.face().unwrap();
         let fault = polygons.finish().unwrap_err();
-        assert!(matches!(fault, MeshFault::Index { face: 2, index: 4, first: 1, count: 3 }), "{fault}");
+        assert!(matches!(fault, MeshFault::Index { face: 2, index: 4, first: 1, count: 3, .. }), "{fault}");
         assert!(fault.to_string().contains("numbered 1 to 3"), "{fault}");
     }
 }
