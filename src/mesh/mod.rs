@@ -1,12 +1,22 @@
 //! Triangle meshes from files, and the tetrahedra that fill them.
 
 mod mesher;
+mod boxes;
+mod clean;
+mod defects;
+mod edges;
+mod exact;
+mod read;
 mod tet;
 mod tet_files;
 mod tetrahedralise;
 mod tri;
+mod write;
 
 pub use mesher::{Mesher, MesherError, MesherLimits, tetgen_helper};
+pub use clean::{CleanError, CleanReport, WELD_TOLERANCE, clean};
+pub use defects::{AtEdge, AtTriangle, AtVertex, Crossing, Defects, Found, Hole, MAX_CROSSINGS, PLACES, defects};
+pub use read::{MAX_MESH_ELEMENTS, MESH_EXTENSIONS, MeshFault, MeshReadError, Place, read};
 pub(crate) use tet::index;
 pub use tet::{BoundaryFace, FaceOrigin, NONE, TET_FACES, TetMesh, TopologyError, gradients, signed_volume};
 pub use tet_files::{TetFileError, read_tets, write_tets};
@@ -35,3 +45,4 @@ pub fn defects(_: &TriMesh, exec: &crate::exec::Exec) -> Result<Defects, crate::
     exec.check()?;
     Ok(Defects)
 }
+pub use write::write_obj;

@@ -1,0 +1,111 @@
+//! A tree of boxes around triangles, for finding those near a box.
+
+use glam::{DVec3, Vec3A};
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+
+use super::index;
+
+/// A tree over closed boxes. Its `f32` boxes hold the real ones: the map to `f32` is monotone, so that boxes
+/// that touch still touch.
+pub(crate) struct BoxTree {
+    tree: Bvh2,
+    /// The least corner of all boxes, over 4.
+    low: DVec3,
+    scale: f64,
+}
+
+impl BoxTree {
+    /// A tree over boxes of least and greatest corners, all finite.
+    pub(crate) fn new(boxes: &[[DVec3; 2]]) -> Self {
+        let low = boxes.iter().map(|b| b[0]).reduce(DVec3::min).unwrap_or_default();
+        let high = boxes.iter().map(|b| b[1]).reduce(DVec3::max).unwrap_or_default();
+        // A quarter: the difference of two finite numbers may be infinite.
+        let low = low * 0.25;
+        let size = (high * 0.25 - low).max_element();
+        let scale = if size.is_normal() && size.recip().is_finite() { size.recip() } else { 1.0 };
+        let mut tree = Self { tree: Bvh2::default(), low, scale };
+        let rounded: Vec<Aabb> = boxes.iter().map(|&b| tree.rounded(b)).collect();
+        tree.tree = PlocBuilder::with_capacity(rounded.len()).build(
+            PlocSearchDistance::Low,
+            &rounded,
+            (0..index(rounded.len())).collect(),
+            SortPrecision::U64,
+            0,
+        );
+        tree
+    }
+
+    fn rounded(&self, [low, high]: [DVec3; 2]) -> Aabb {
+        // Subtraction, multiplication by a positive number and rounding never turn an order around.
+        let map = |p: DVec3| Vec3A::from(((p * 0.25 - self.low) * self.scale).as_vec3());
+        Aabb::new(map(low), map(high))
+    }
+
+    /// Calls `visit` with the number of every box that may touch this one, in a fixed order, until it
+    /// returns false.
+    pub(crate) fn near(&self, near: [DVec3; 2], mut visit: impl FnMut(usize) -> bool) {
+        self.tree.aabb_traverse(self.rounded(near), |tree, node| {
+            let node = &tree.nodes[node as usize];
+            let first = node.first_index as usize;
+            tree.primitive_indices[first..first + node.prim_count as usize].iter().all(|&i| visit(i as usize))
+        });
+    }
+}
+
+/// The closed box of a triangle.
+pub(crate) fn box_of([a, b, c]: [DVec3; 3]) -> [DVec3; 2] {
+    [a.min(b).min(c), a.max(b).max(c)]
+}
+
+/// Whether two closed boxes touch.
+pub(crate) fn boxes_touch(a: [DVec3; 2], b: [DVec3; 2]) -> bool {
+    a[0].cmple(b[1]).all() && b[0].cmple(a[1]).all()
+}
+
+#[cfg(test)]
+mod tests {
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{Rng, SeedableRng};
+
+    use super::*;
+
+    #[test]
+    fn every_touching_box_is_visited() {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        for n in [0, 1, 2, 3, 200] {
+            // Far from the origin, where `f32` has no digits left for the differences; flat along z.
+            let mut point = |flat: bool| {
+                let mut x = || f64::from(rng.next_u32() % 64) / 64.0;
+                DVec3::new(1e9 + x(), -1e9 + x(), if flat { 5.0 } else { 5.0 + x() })
+            };
+            for flat in [false, true] {
+                let boxes: Vec<[DVec3; 2]> =
+                    (0..n).map(|_| box_of([point(flat); 3].map(|p| p + point(flat) * 1e-10))).collect();
+                let tree = BoxTree::new(&boxes);
+                for &b in &boxes {
+                    let mut found = vec![false; n];
+                    tree.near(b, |i| {
+                        found[i] = true;
+                        true
+                    });
+                    for (i, &other) in boxes.iter().enumerate() {
+                        assert!(found[i] || !boxes_touch(b, other));
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn thousands_of_equal_boxes_are_no_trouble() {
+        let boxes = vec![[DVec3::ONE, DVec3::ONE]; 5000];
+        let mut n = 0;
+        BoxTree::new(&boxes).near(boxes[0], |_| {
+            n += 1;
+            true
+        });
+        assert_eq!(n, 5000);
+    }
+}

@@ -1,0 +1,109 @@
+//! Triangle meshes from files: one module a format.
+//!
+//! The readers are our own, except for glTF's JSON: they give exact positions (`f64` wherever the file has
+//! them), name the line, byte or face of a fault, and believe no size before they have compared it with the
+//! file's real length.
+
+mod fault;
+mod gltf;
+mod obj;
+mod off;
+mod ply;
+mod polygons;
+mod stl;
+mod text;
+#[cfg(test)]
+mod torture;
+
+use std::path::{Path, PathBuf};
+
+use super::TriMesh;
+use crate::files;
+pub use fault::{MeshFault, Place};
+
+/// The most vertices, and the most triangles, of one mesh (2²⁶).
+pub const MAX_MESH_ELEMENTS: usize = 1 << 26;
+
+/// The extensions of the formats that [`read`] knows, in lower case.
+pub const MESH_EXTENSIONS: [&str; 6] = ["obj", "stl", "ply", "off", "glb", "gltf"];
+
+/// A mesh file that could not be read.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {fault}", path.display())]
+pub struct MeshReadError {
+    /// The file.
+    pub path: PathBuf,
+    /// What is wrong with it, and where.
+    pub fault: MeshFault,
+}
+
+/// Reads a triangle mesh from an OBJ, STL, PLY, OFF, GLB or glTF file, by its extension (in any case).
+///
+/// Polygons are triangulated; everything else that a mesh wears (normals, texture coordinates, colours,
+/// materials) is passed over. glTF node transforms are applied and all triangle primitives of the scene are
+/// joined. Vertices come in the file's order; nothing is welded or dropped: [`super::clean`] does that.
+/// A face of the result names vertices that exist, and every coordinate is finite.
+///
+/// # Errors
+/// [`MeshReadError`] names the file; its [`MeshFault`] says what is wrong and where.
+pub fn read(path: &Path) -> Result<TriMesh, MeshReadError> {
+    let fail = |fault| MeshReadError { path: path.to_path_buf(), fault };
+    let extension = path.extension().map_or_else(String::new, |e| e.to_string_lossy().to_ascii_lowercase());
+    if !MESH_EXTENSIONS.contains(&extension.as_str()) {
+        return Err(fail(MeshFault::Extension(extension)));
+    }
+    let bytes = files::read_whole(path).map_err(|e| fail(MeshFault::Io(e)))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    read_bytes(&bytes, &extension, folder).map_err(fail)
+}
+
+/// Reads a mesh of the format with this extension; `folder` is where a glTF file's own files are.
+fn read_bytes(bytes: &[u8], extension: &str, folder: &Path) -> Result<TriMesh, MeshFault> {
+    if bytes.is_empty() {
+        return Err(MeshFault::Empty);
+    }
+    let mesh = match extension {
+        "obj" => obj::read(bytes),
+        "stl" => stl::read(bytes),
+        "ply" => ply::read(bytes),
+        "off" => off::read(bytes),
+        "glb" | "gltf" => gltf::read(bytes, folder),
+        _ => return Err(MeshFault::Extension(extension.to_owned())),
+    }?;
+    if mesh.triangles.is_empty() {
+        return Err(MeshFault::NoFaces { vertices: mesh.vertices.len() });
+    }
+    Ok(mesh)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extensions_are_matched_in_any_case() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("A.OBJ");
+        std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+        assert_eq!(read(&path).unwrap().triangles, [[0, 1, 2]]);
+    }
+
+    #[test]
+    fn what_is_no_mesh_is_refused_by_name() {
+        let dir = tempfile::tempdir().unwrap();
+        let missing = read(&dir.path().join("none.ply")).unwrap_err();
+        assert!(matches!(missing.fault, MeshFault::Io(_)), "{missing}");
+        assert!(missing.to_string().contains("none.ply"));
+        let folder = dir.path().join("folder.off");
+        std::fs::create_dir(&folder).unwrap();
+        assert!(matches!(read(&folder).unwrap_err().fault, MeshFault::Io(_)));
+        let unknown = read(&dir.path().join("a.3ds")).unwrap_err();
+        assert!(unknown.to_string().contains(".3ds") && unknown.to_string().contains(".glb"), "{unknown}");
+        assert!(matches!(read(&dir.path().join("a")).unwrap_err().fault, MeshFault::Extension(_)));
+        for extension in MESH_EXTENSIONS {
+            let path = dir.path().join(format!("empty.{extension}"));
+            std::fs::write(&path, "").unwrap();
+            assert!(matches!(read(&path).unwrap_err().fault, MeshFault::Empty));
+        }
+    }
+}
