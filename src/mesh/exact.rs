@@ -141,7 +141,8 @@ fn triangles_meet(s: Corners, t: Corners) -> bool {
         return false;
     }
     let edges = |[a, b, c]: Corners| [[a, b], [b, c], [c, a]];
-    edges(s).iter().any(|&e| segment_meets_triangle(e, t)) || edges(t).iter().any(|&e| segment_meets_triangle(e, s))
+    edges(s).iter().any(|&e| segment_meets_triangle(e, t))
+        || edges(t).iter().any(|&e| segment_meets_triangle(e, s))
 }
 
 /// Whether two triangles (with areas) touch anywhere beyond the vertices and edges that they share by index.
@@ -156,7 +157,8 @@ pub(crate) fn triangles_cross(s: [u32; 3], t: [u32; 3], at: impl Fn(u32) -> DVec
                 let k = s.iter().position(|v| t.contains(v)).unwrap_or(0);
                 [at(s[(k + 1) % 3]), at(s[(k + 2) % 3])]
             };
-            segment_meets_triangle(opposite(s, t), t.map(&at)) || segment_meets_triangle(opposite(t, s), s.map(&at))
+            segment_meets_triangle(opposite(s, t), t.map(&at))
+                || segment_meets_triangle(opposite(t, s), s.map(&at))
         }
         2 => {
             // They overlap where they are coplanar, with their third vertices on the same side of the edge.
@@ -182,7 +184,10 @@ mod tests {
         assert_eq!(side_of_plane([DVec3::ZERO, DVec3::X, DVec3::Y], DVec3::Z), 1);
         assert_eq!(side_of_plane([DVec3::ZERO, DVec3::X, DVec3::Y], -DVec3::Z), -1);
         // 0.1 + 0.2 ≠ 0.3: hardly off the plane, but off it.
-        assert_eq!(side_of_plane([DVec3::ZERO, DVec3::X, dvec3(0.0, 1.0, 1.0)], dvec3(0.0, 0.3, 0.1 + 0.2)), 1);
+        assert_eq!(
+            side_of_plane([DVec3::ZERO, DVec3::X, dvec3(0.0, 1.0, 1.0)], dvec3(0.0, 0.3, 0.1 + 0.2)),
+            1
+        );
     }
 
     #[test]
@@ -196,9 +201,14 @@ mod tests {
                 if i % 2 == 0 { [DVec3::Z, u, v] } else { [DVec3::Z, v, u] }
             })
             .collect();
-        for (x, y) in [(0.0, 0.0), (0.25, 0.5), (0.5, 0.0), (0.0, 0.5), (0.0, -0.5), (0.25, -0.25), (0.1, 0.1)] {
+        for (x, y) in
+            [(0.0, 0.0), (0.25, 0.5), (0.5, 0.0), (0.0, 0.5), (0.0, -0.5), (0.25, -0.25), (0.1, 0.1)]
+        {
             let count = |z, kind| fan.iter().filter(|&&t| above(t, dvec3(x, y, z)) == kind).count();
-            assert_eq!((count(0.0, Above::Yes), count(1.0, Above::Touches), count(2.0, Above::Yes)), (1, 1, 0));
+            assert_eq!(
+                (count(0.0, Above::Yes), count(1.0, Above::Touches), count(2.0, Above::Yes)),
+                (1, 1, 0)
+            );
         }
         assert!(fan.iter().all(|&t| above(t, dvec3(2.0, 0.0, 0.0)) == Above::No));
     }

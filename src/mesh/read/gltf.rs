@@ -82,7 +82,11 @@ fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), MeshFault> {
         let size = word(at).ok_or_else(|| cut(at))? as usize;
         let found = bytes.get(at + 4..at + 8).ok_or_else(|| cut(at))?;
         if found != kind {
-            let what = format!("a chunk {:?} where {:?} belongs", found.escape_ascii().to_string(), kind.escape_ascii().to_string());
+            let what = format!(
+                "a chunk {:?} where {:?} belongs",
+                found.escape_ascii().to_string(),
+                kind.escape_ascii().to_string()
+            );
             return Err(MeshFault::malformed(Place::Byte(at + 4), what));
         }
         bytes.get(at + 8..at + 8 + size).ok_or_else(|| cut(at))
@@ -111,8 +115,16 @@ fn document(text: &[u8]) -> Result<Document, MeshFault> {
     }
     if let Some(root) = root.as_object_mut() {
         const UNREAD: [&str; 10] = [
-            "animations", "cameras", "images", "materials", "samplers", "skins", "textures",
-            "extensions", "extensionsUsed", "extensionsRequired",
+            "animations",
+            "cameras",
+            "images",
+            "materials",
+            "samplers",
+            "skins",
+            "textures",
+            "extensions",
+            "extensionsUsed",
+            "extensionsRequired",
         ];
         for key in UNREAD {
             root.remove(key);
@@ -166,7 +178,8 @@ fn document(text: &[u8]) -> Result<Document, MeshFault> {
     Document::from_json(root).map_err(|e| {
         let what = match e {
             ::gltf::Error::Validation(faults) => {
-                let few: Vec<String> = faults.iter().take(3).map(|(path, e)| format!("{path}: {e}")).collect();
+                let few: Vec<String> =
+                    faults.iter().take(3).map(|(path, e)| format!("{path}: {e}")).collect();
                 format!("the glTF JSON has {} faults: {}", faults.len(), few.join("; "))
             }
             e => format!("the glTF JSON: {e}"),
@@ -188,7 +201,9 @@ fn roots(document: &Document) -> Result<Vec<Node<'_>>, MeshFault> {
 
 fn parent_from_node(node: &Node<'_>) -> DMat4 {
     match node.transform() {
-        Transform::Matrix { matrix } => DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from))),
+        Transform::Matrix { matrix } => {
+            DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from)))
+        }
         Transform::Decomposed { translation, rotation, scale } => {
             let rotation = DQuat::from_array(rotation.map(f64::from));
             // A unit quaternion was rounded to `f32`; one of no length turns nothing.
@@ -224,7 +239,9 @@ fn join(
         let p = scene_from_node.transform_point3(*p);
         if !p.is_finite() {
             let vertex = mesh.vertices.len() - first as usize;
-            let what = format!("{name}: vertex {vertex} (the first is 0) has a coordinate that is not a finite number");
+            let what = format!(
+                "{name}: vertex {vertex} (the first is 0) has a coordinate that is not a finite number"
+            );
             return Err(MeshFault::malformed(Place::Whole, what));
         }
         mesh.vertices.push(p);

@@ -77,9 +77,16 @@ mod tests {
 
     #[test]
     fn corners_in_all_spellings() {
-        let faces = ["f 1 2 3 4", "f 1/9 2/9 3/9 4/9", "f 1//-7 2//1 3//1 4//1", "f -4/-9/1 -3 -2 -1", "f 1 2 \\\n 3 4"];
+        let faces = [
+            "f 1 2 3 4",
+            "f 1/9 2/9 3/9 4/9",
+            "f 1//-7 2//1 3//1 4//1",
+            "f -4/-9/1 -3 -2 -1",
+            "f 1 2 \\\n 3 4",
+        ];
         for f in faces {
-            let mesh = read(format!("# caf\u{e9}\n{SQUARE}vt 0 0\ng x\nl 1 2 3\n{f}\r\n").as_bytes()).unwrap();
+            let mesh =
+                read(format!("# caf\u{e9}\n{SQUARE}vt 0 0\ng x\nl 1 2 3\n{f}\r\n").as_bytes()).unwrap();
             assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]], "{f}");
         }
     }

@@ -36,7 +36,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, MeshFault> {
             counts = lines.next().ok_or_else(|| lines.0.fault("the file ends before the counts"))?;
         }
     } else if number::<u64>(word).is_none() {
-        return Err(MeshFault::malformed(Place::Line(lines.0.number()), format!("{} is no OFF header", shown(word))));
+        return Err(MeshFault::malformed(
+            Place::Line(lines.0.number()),
+            format!("{} is no OFF header", shown(word)),
+        ));
     }
     let mut counts = words(counts).map(number::<u64>);
     let (Some(Some(vertices)), Some(Some(faces))) = (counts.next(), counts.next()) else {
@@ -46,11 +49,15 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, MeshFault> {
     let least = vertices.saturating_mul(6).saturating_add(faces.saturating_mul(2));
     if least > lines.0.rest().len() as u64 + 1 {
         let left = lines.0.rest().len();
-        return Err(lines.0.fault(format!("{vertices} vertices and {faces} faces do not fit into {left} bytes")));
+        return Err(lines
+            .0
+            .fault(format!("{vertices} vertices and {faces} faces do not fit into {left} bytes")));
     }
     let mut polygons = Polygons::counted_from(0);
     for v in 0..vertices {
-        let line = lines.next().ok_or_else(|| lines.0.fault(format!("the file ends at vertex {v} of {vertices}")))?;
+        let line = lines
+            .next()
+            .ok_or_else(|| lines.0.fault(format!("the file ends at vertex {v} of {vertices}")))?;
         let mut numbers = words(line);
         let mut p = [0.0; 3];
         for x in &mut p {
@@ -60,14 +67,16 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, MeshFault> {
         polygons.vertex(DVec3::from_array(p), lines.0.place())?;
     }
     for f in 0..faces {
-        let line = lines.next().ok_or_else(|| lines.0.fault(format!("the file ends at face {f} of {faces}")))?;
+        let line =
+            lines.next().ok_or_else(|| lines.0.fault(format!("the file ends at face {f} of {faces}")))?;
         let mut numbers = words(line);
         let word = numbers.next().unwrap_or_default();
         let corners: u64 =
             number(word).ok_or_else(|| lines.0.fault(format!("{} is no number of corners", shown(word))))?;
         // What follows the corners is a colour.
         for _ in 0..corners {
-            let word = numbers.next().ok_or_else(|| lines.0.fault(format!("fewer than {corners} corners")))?;
+            let word =
+                numbers.next().ok_or_else(|| lines.0.fault(format!("fewer than {corners} corners")))?;
             let index = number(word).ok_or_else(|| lines.0.fault(format!("{} is no index", shown(word))))?;
             polygons.corner(index)?;
         }
@@ -102,7 +111,9 @@ mod tests {
 
     #[test]
     fn headers_in_all_forms() {
-        for head in ["OFF\n4 3 0\n", "OFF 4 3 0\n", "# c\nOFF # c\n# c\n\n4 3\n", "4 3 0\n", "STCNOFF\r\n4 3 0\r\n"] {
+        for head in
+            ["OFF\n4 3 0\n", "OFF 4 3 0\n", "# c\nOFF # c\n# c\n\n4 3\n", "4 3 0\n", "STCNOFF\r\n4 3 0\r\n"]
+        {
             let mesh = read(format!("{head}{BODY}").as_bytes()).unwrap();
             assert_eq!(mesh.vertices[2], DVec3::new(1.0, 1.0, 0.0), "{head}");
             assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 2, 3]], "{head}");

@@ -145,7 +145,10 @@ impl Values<'_> {
         let least = if let Self::Text { .. } = self { 2 } else { kind.size() };
         // The last number of a text may end with the file.
         if n.fract() != 0.0 || !(0.0..=(self.left() as f64 + 1.0) / least as f64).contains(&n) {
-            return Err(MeshFault::malformed(place, format!("a list of {n} numbers does not fit into the file")));
+            return Err(MeshFault::malformed(
+                place,
+                format!("a list of {n} numbers does not fit into the file"),
+            ));
         }
         Ok(n as usize)
     }
@@ -226,8 +229,8 @@ fn header(lines: &mut Lines<'_>) -> Result<(Format, Vec<Element>), MeshFault> {
                 });
             }
             [b"element", name, count, ..] => {
-                let count =
-                    number(count).ok_or_else(|| lines.fault(format!("{} is no number of items", shown(count))))?;
+                let count = number(count)
+                    .ok_or_else(|| lines.fault(format!("{} is no number of items", shown(count))))?;
                 elements.push(Element { name: name.to_vec(), count, properties: Vec::new() });
             }
             [b"property", rest @ ..] => {
@@ -274,7 +277,8 @@ fn vertices(element: &Element, values: &mut Values<'_>, polygons: &mut Polygons)
     let mut axes = [0; 3];
     for (axis, name) in axes.iter_mut().zip([b"x", b"y", b"z"]) {
         let found = element.property(name).filter(|&i| element.properties[i].length.is_none());
-        let missing = || MeshFault::malformed(Place::Whole, format!("its vertices have no {}", name.escape_ascii()));
+        let missing =
+            || MeshFault::malformed(Place::Whole, format!("its vertices have no {}", name.escape_ascii()));
         *axis = found.ok_or_else(missing)?;
     }
     for _ in 0..element.count {
@@ -453,7 +457,10 @@ pub(super) mod tests {
                 assert!(fault.to_string().contains("4000000000"), "{fault}");
             }
         }
-        let empty = TEXT.replace("element colour 1\nproperty uchar r\nproperty list uchar float w\n", "element e 4000000000\n");
+        let empty = TEXT.replace(
+            "element colour 1\nproperty uchar r\nproperty list uchar float w\n",
+            "element e 4000000000\n",
+        );
         assert!(read(empty.replace("7 2 1 2\n", "").as_bytes()).is_ok());
     }
 

@@ -108,8 +108,10 @@ fn triangulate(vertices: &[DVec3], polygon: &[u32], tests: &mut u64, triangles: 
 fn project(vertices: &[DVec3], polygon: &[u32]) -> Vec<DVec2> {
     let at = |i: usize| vertices[polygon[i % polygon.len()] as usize];
     let origin = at(0);
-    let normal: DVec3 =
-        (1..polygon.len()).map(|i| (at(i) - origin).cross(at(i + 1) - origin)).sum::<DVec3>().normalize_or_zero();
+    let normal: DVec3 = (1..polygon.len())
+        .map(|i| (at(i) - origin).cross(at(i + 1) - origin))
+        .sum::<DVec3>()
+        .normalize_or_zero();
     if normal == DVec3::ZERO || !normal.is_finite() {
         return vec![DVec2::ZERO; polygon.len()];
     }

@@ -35,7 +35,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, MeshFault> {
         )),
         None => Err(MeshFault::malformed(
             Place::Byte(0),
-            format!("neither text (no \"solid\") nor binary ({} bytes where the header has {HEADER})", bytes.len()),
+            format!(
+                "neither text (no \"solid\") nor binary ({} bytes where the header has {HEADER})",
+                bytes.len()
+            ),
         )),
     }
 }
@@ -50,7 +53,9 @@ fn read_binary(bytes: &[u8]) -> Result<TriMesh, MeshFault> {
         let place = Place::Byte(HEADER + t * TRIANGLE);
         // The normal (12 bytes) says nothing that the corners do not.
         for corner in record[12..48].chunks_exact(12) {
-            let x = |i: usize| f64::from(f32::from_le_bytes([corner[i], corner[i + 1], corner[i + 2], corner[i + 3]]));
+            let x = |i: usize| {
+                f64::from(f32::from_le_bytes([corner[i], corner[i + 1], corner[i + 2], corner[i + 3]]))
+            };
             let next = polygons.vertices() as i64;
             polygons.vertex(DVec3::new(x(0), x(4), x(8)), place)?;
             polygons.corner(next)?;
@@ -78,7 +83,8 @@ fn read_text(bytes: &[u8]) -> Result<TriMesh, MeshFault> {
                 let mut p = [0.0; 3];
                 for x in &mut p {
                     let word = parts.next().unwrap_or_default();
-                    *x = number(word).ok_or_else(|| lines.fault(format!("{} is no coordinate", shown(word))))?;
+                    *x = number(word)
+                        .ok_or_else(|| lines.fault(format!("{} is no coordinate", shown(word))))?;
                 }
                 let next = polygons.vertices() as i64;
                 polygons.vertex(DVec3::from_array(p), lines.place())?;
@@ -147,7 +153,10 @@ pub(super) mod tests {
     fn faults_are_placed() {
         let mut bytes = binary(b"x", &[T, T]);
         bytes[84 + 50 + 12..84 + 50 + 16].copy_from_slice(&f32::NAN.to_le_bytes());
-        assert!(matches!(read(&bytes), Err(MeshFault::NotFinite { place: Place::Byte(134), vertex: 3, first: 0 })));
+        assert!(matches!(
+            read(&bytes),
+            Err(MeshFault::NotFinite { place: Place::Byte(134), vertex: 3, first: 0 })
+        ));
         let broken = TEXT.replace("vertex 0 1 0\n", "");
         assert!(matches!(read(broken.as_bytes()), Err(MeshFault::Malformed { place: Place::Line(6), .. })));
         let cut = TEXT.replace("endsolid a solid\n", "");

@@ -112,7 +112,10 @@ fn check(
     let buffer = view.buffer().index();
     let length = buffers.get(buffer).map_or(0, Vec::len);
     if view.offset().checked_add(view.length()).is_none_or(|end| end > length) {
-        return Err(format!("buffer view {} reaches past the {length} bytes of buffer {buffer}", view.index()));
+        return Err(format!(
+            "buffer view {} reaches past the {length} bytes of buffer {buffer}",
+            view.index()
+        ));
     }
     Ok(())
 }

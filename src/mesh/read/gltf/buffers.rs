@@ -12,10 +12,15 @@ use super::{MeshFault, Place};
 use crate::files;
 
 /// Loads every buffer; each has at least the bytes that it promises.
-pub(super) fn load(document: &Document, blob: Option<&[u8]>, folder: &Path) -> Result<Vec<Vec<u8>>, MeshFault> {
+pub(super) fn load(
+    document: &Document,
+    blob: Option<&[u8]>,
+    folder: &Path,
+) -> Result<Vec<Vec<u8>>, MeshFault> {
     let mut buffers = Vec::new();
     for buffer in document.buffers() {
-        let fault = |what: String| MeshFault::malformed(Place::Whole, format!("buffer {}: {what}", buffer.index()));
+        let fault =
+            |what: String| MeshFault::malformed(Place::Whole, format!("buffer {}: {what}", buffer.index()));
         let bytes = match buffer.source() {
             Source::Bin => match blob {
                 Some(blob) if buffer.index() == 0 => blob.to_vec(),

@@ -82,10 +82,7 @@ fn strips_fans_and_several_primitives_are_joined() {
     ]);
     let mesh = read_scene(&scene).unwrap();
     assert_eq!(mesh.vertices.len(), 12);
-    assert_eq!(
-        mesh.triangles,
-        [[0, 1, 2], [2, 1, 3], [5, 6, 4], [6, 7, 4], [8, 9, 10], [8, 10, 11]]
-    );
+    assert_eq!(mesh.triangles, [[0, 1, 2], [2, 1, 3], [5, 6, 4], [6, 7, 4], [8, 9, 10], [8, 10, 11]]);
 }
 
 #[test]
@@ -122,7 +119,8 @@ fn sparse_and_quantised_positions() {
     let mut scene = self::scene();
     scene["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
     scene["nodes"] = json!([{"mesh": 0}]);
-    scene["accessors"][1] = json!({"bufferView": 0, "componentType": 5122, "count": 1, "type": "VEC3", "normalized": true});
+    scene["accessors"][1] =
+        json!({"bufferView": 0, "componentType": 5122, "count": 1, "type": "VEC3", "normalized": true});
     scene["meshes"][0]["primitives"][0] = json!({"attributes": {"POSITION": 1}});
     let mesh = read_scene(&scene).unwrap();
     assert_eq!(mesh.vertices, [DVec3::new(0.0, 1.0 / 32767.0, 2.0 / 32767.0)]);
