@@ -247,7 +247,7 @@ fn cut_here(
     }
     report.vertices_refined = parts.vertices.len() - solid.mesh.vertices.len();
     stage.at(2);
-    let divided = divide::divide(parts, &sheet, &solid.mesh, exec)?;
+    let divided = divide::divide(parts, &sheet, params.tolerance, &solid.mesh, exec)?;
     report.vertices_cut = divided.parts.vertices.len() - solid.mesh.vertices.len() - report.vertices_refined;
     report.vertices_snapped = divided.snapped;
     if let Some(positive) = divided.one_side() {
@@ -309,8 +309,8 @@ impl Sheet {
         match self {
             Self::Plane { normal, given, length, .. } => {
                 let heights = solid.mesh.vertices.iter().map(|p| normal.dot(*p) * length);
-                let (from, to) = heights
-                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), h| (lo.min(h), hi.max(h)));
+                let (from, to) =
+                    heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), h| (lo.min(h), hi.max(h)));
                 CutError::PlaneMisses { from, to, offset: *given }
             }
             Self::Screen(curve) => {

@@ -221,7 +221,8 @@ mod tests {
 
     #[test]
     fn the_defaults_are_those_of_the_camera() {
-        let here = StrokeFile::from_toml("points=[[0,0],[1,1]]\n[camera]\neye=[1,2,3]\ntarget=[0,0,0]").unwrap();
+        let here =
+            StrokeFile::from_toml("points=[[0,0],[1,1]]\n[camera]\neye=[1,2,3]\ntarget=[0,0,0]").unwrap();
         let there: Camera = toml::from_str("eye=[1,2,3]\ntarget=[0,0,0]").unwrap();
         assert_eq!(here.camera, Some(there));
     }
