@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use lapis::cut::{CutSurface, cut};
+use lapis::cut::{CutParams, CutSurface, cut};
 use lapis::lap::LappedSolid;
 use lapis::project::{OutputError, OutputFolder, Report};
 use lapis::render::frame_all;
@@ -31,6 +31,8 @@ pub(crate) struct Args {
     /// The folder of piece-1.lapis, piece-2.lapis, …, by falling volume
     #[arg(long, short, value_name = "DIR")]
     output: PathBuf,
+    #[command(flatten)]
+    params: CutParams,
     #[command(flatten)]
     shared: Shared,
 }
@@ -73,9 +75,9 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
             (None, None) => return Err(Failure::usage("one of --stroke and --plane is needed")),
         };
         let what = format!("cannot cut {}", args.model.display());
-        let (pieces, made) = cut(&solid, &surface, session.exec()).map_err(Failure::because(what))?;
+        let (pieces, made) =
+            cut(&solid, &surface, &args.params, session.exec()).map_err(Failure::because(what))?;
         report.add(&made);
-        report.count("pieces", pieces.len());
         report.took("cut", start);
 
         let start = Instant::now();

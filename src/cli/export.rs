@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use lapis::export::{AtlasParams, glb, ply};
+use lapis::export::{AtlasParams, PlyParams, glb, ply};
 use lapis::lap::LappedSolid;
 use lapis::project::{ExportFormat, OutputFile, Report};
 
@@ -21,6 +21,8 @@ pub(crate) struct Args {
     output: PathBuf,
     #[command(flatten)]
     atlas: AtlasParams,
+    #[command(flatten)]
+    ply: PlyParams,
     #[command(flatten)]
     shared: Shared,
 }
@@ -44,7 +46,7 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         let start = Instant::now();
         let bytes = match format {
             ExportFormat::Glb => glb(&solid, &args.atlas, session.exec()),
-            ExportFormat::Ply => ply(&solid, session.exec()),
+            ExportFormat::Ply => ply(&solid, &args.ply, session.exec()),
         };
         let bytes = bytes.map_err(Failure::because(format!("cannot export {}", args.model.display())))?;
         report.took("export", start);

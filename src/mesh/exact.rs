@@ -108,7 +108,8 @@ fn triangles_meet(s: Corners, t: Corners) -> bool {
         return false;
     }
     let edges = |[a, b, c]: Corners| [[a, b], [b, c], [c, a]];
-    edges(s).iter().any(|&e| segment_meets_triangle(e, t)) || edges(t).iter().any(|&e| segment_meets_triangle(e, s))
+    edges(s).iter().any(|&e| segment_meets_triangle(e, t))
+        || edges(t).iter().any(|&e| segment_meets_triangle(e, s))
 }
 
 /// Whether two triangles (with areas) touch anywhere beyond the vertices and edges that they share by index.
@@ -123,7 +124,8 @@ pub(crate) fn triangles_cross(s: [u32; 3], t: [u32; 3], at: impl Fn(u32) -> DVec
                 let k = s.iter().position(|v| t.contains(v)).unwrap_or(0);
                 [at(s[(k + 1) % 3]), at(s[(k + 2) % 3])]
             };
-            segment_meets_triangle(opposite(s, t), t.map(&at)) || segment_meets_triangle(opposite(t, s), s.map(&at))
+            segment_meets_triangle(opposite(s, t), t.map(&at))
+                || segment_meets_triangle(opposite(t, s), s.map(&at))
         }
         2 => {
             // They overlap where they are coplanar, with their third vertices on the same side of the edge.
@@ -149,7 +151,10 @@ mod tests {
         assert_eq!(side_of_plane([DVec3::ZERO, DVec3::X, DVec3::Y], DVec3::Z), 1);
         assert_eq!(side_of_plane([DVec3::ZERO, DVec3::X, DVec3::Y], -DVec3::Z), -1);
         // 0.1 + 0.2 ≠ 0.3: hardly off the plane, but off it.
-        assert_eq!(side_of_plane([DVec3::ZERO, DVec3::X, dvec3(0.0, 1.0, 1.0)], dvec3(0.0, 0.3, 0.1 + 0.2)), 1);
+        assert_eq!(
+            side_of_plane([DVec3::ZERO, DVec3::X, dvec3(0.0, 1.0, 1.0)], dvec3(0.0, 0.3, 0.1 + 0.2)),
+            1
+        );
     }
 
     #[test]

@@ -1,11 +1,11 @@
 //! Triangle meshes from files, and the tetrahedra that fill them.
 
-mod locate;
-mod mesher;
 mod boxes;
 mod defects;
 mod edges;
 mod exact;
+mod locate;
+mod mesher;
 mod read;
 #[cfg(test)]
 pub(crate) mod shapes;
@@ -15,9 +15,11 @@ mod tetrahedralise;
 mod tri;
 mod write;
 
+pub use defects::{
+    AtEdge, AtTriangle, AtVertex, Crossing, Defects, Found, Hole, MAX_CROSSINGS, PLACES, defects,
+};
 pub use locate::TetLocator;
 pub use mesher::{Mesher, MesherError, MesherLimits, tetgen_helper};
-pub use defects::{AtEdge, AtTriangle, AtVertex, Crossing, Defects, Found, Hole, MAX_CROSSINGS, PLACES, defects};
 pub use read::{MAX_MESH_ELEMENTS, MESH_EXTENSIONS, MeshFault, MeshReadError, Place, read};
 pub(crate) use tet::index;
 pub use tet::{BoundaryFace, FaceOrigin, NONE, TET_FACES, TetMesh, TopologyError, gradients, signed_volume};
@@ -27,24 +29,3 @@ pub use tetrahedralise::{
 };
 pub use tri::TriMesh;
 pub use write::write_obj;
-
-// SEAM until the checks of triangle meshes are merged.
-/// Defects.
-#[derive(Debug)]
-pub struct Defects;
-impl Defects {
-    /// None.
-    pub fn is_empty(&self) -> bool {
-        true
-    }
-}
-impl std::fmt::Display for Defects {
-    fn fmt(&self, _: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        Ok(())
-    }
-}
-/// Finds none.
-pub fn defects(_: &TriMesh, exec: &crate::exec::Exec) -> Result<Defects, crate::exec::Cancelled> {
-    exec.check()?;
-    Ok(Defects)
-}

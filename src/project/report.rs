@@ -62,6 +62,13 @@ impl Report {
         }
     }
 
+    /// Adds a room's own report as one measure: an object of that name.
+    pub fn section(&mut self, name: &str, room: &impl Serialize) {
+        if let Ok(value) = serde_json::to_value(room) {
+            self.measures.insert(name.to_owned(), value);
+        }
+    }
+
     fn sort_in(&mut self, fields: Map<String, Value>) {
         for (name, value) in fields {
             match (name.as_str(), value) {
@@ -74,6 +81,7 @@ impl Report {
                     self.counts.insert(name, value);
                 }
                 (_, Value::Null) => {}
+                (_, Value::Array(list)) if list.is_empty() => {}
                 (_, value) => {
                     self.measures.insert(name, value);
                 }

@@ -27,7 +27,10 @@ pub(super) fn look(
         exec.check()?;
         let begin = g * GROUP;
         let crossings: Vec<(usize, Vec<usize>)> = exec.install(|| {
-            (begin..begin + group.len()).into_par_iter().map(|i| of_one(mesh, triangles, &boxes, &tree, i)).collect()
+            (begin..begin + group.len())
+                .into_par_iter()
+                .map(|i| of_one(mesh, triangles, &boxes, &tree, i))
+                .collect()
         });
         for (i, (count, first)) in crossings.into_iter().enumerate() {
             found.crossings.count += count;

@@ -14,7 +14,11 @@ impl fmt::Display for Near {
         let coordinate = |x: f64| {
             // Four significant digits, without an exponent where there is room.
             let short: f64 = format!("{x:.3e}").parse().unwrap_or(x);
-            if short != 0.0 && !(1e-4..1e7).contains(&short.abs()) { format!("{short:e}") } else { format!("{short}") }
+            if short != 0.0 && !(1e-4..1e7).contains(&short.abs()) {
+                format!("{short:e}")
+            } else {
+                format!("{short}")
+            }
         };
         write!(f, "({}, {}, {})", coordinate(self.0.x), coordinate(self.0.y), coordinate(self.0.z))
     }
@@ -33,7 +37,10 @@ impl fmt::Display for Defects {
         let mut help = Vec::new();
         if let Some(t) = self.broken.first.first() {
             let what = plural(self.broken.count, "triangle names", "triangles name");
-            parts.push(format!("{what} vertices that are missing or not finite (first triangle {})", t.triangle));
+            parts.push(format!(
+                "{what} vertices that are missing or not finite (first triangle {})",
+                t.triangle
+            ));
             help.push("export the mesh again");
         }
         if let Some(t) = self.degenerate.first.first() {
