@@ -1,0 +1,169 @@
+//! Smaller tetrahedra where a stroke does more than pass straight through.
+
+use rayon::prelude::*;
+
+use super::curve::{Crossing, Curve};
+use super::divide::SNAP;
+use super::subdivide::{Part, Split, Subdivision, edges};
+use crate::view::turn;
+use crate::exec::{Cancelled, Exec};
+use crate::mesh::TET_FACES;
+
+/// Rounds of bisection at most. Each halves what is too long, so a few suffice for any drawn stroke.
+const ROUNDS: usize = 40;
+
+/// What an edge has to do with the curve.
+#[derive(Debug, Clone, Copy)]
+enum Meets {
+    /// The curve does not cross it.
+    Not,
+    /// The curve crosses it once.
+    Once(Crossing),
+    /// The curve crosses it more often; a vertex here would lie between two of the crossings.
+    Often(f64),
+}
+
+/// Bisects tetrahedra until marching them follows the curve to the tolerance, in picture heights:
+/// no edge is crossed twice, and within a face the curve hardly bends.
+///
+/// Where each edge is crossed at most once, the curve enters and leaves each face at most once, by different
+/// edges: so the cut through the tetrahedra hangs together just as the stroke does, and a stroke that
+/// crosses the model once leaves two pieces. Excursions thinner or shallower than the tolerance are overlooked.
+///
+/// Returns the number of edges and faces that were given up, when there would be too many tetrahedra.
+pub(super) fn refine(
+    parts: &mut Subdivision,
+    curve: &Curve,
+    tolerance: f64,
+    exec: &Exec,
+) -> Result<usize, Cancelled> {
+    let most = 4 * parts.parts.len() + 200_000;
+    let mut given_up: Vec<[u32; 2]> = Vec::new();
+    let mut active: Vec<u32> = (0..parts.parts.len() as u32).collect();
+    for round in 0.. {
+        exec.check()?;
+        active = active
+            .into_par_iter()
+            .with_min_len(1024)
+            .filter(|&i| curve.near(parts.corners(&parts.parts[i as usize])))
+            .collect();
+        let mut splits = wanted(parts, curve, tolerance, &active);
+        splits.retain(|s| given_up.binary_search(&s.edge).is_err());
+        if splits.is_empty() {
+            break;
+        }
+        if round == ROUNDS || parts.parts.len() > most {
+            return Ok(given_up.len() + splits.len());
+        }
+        active = loop {
+            match parts.split(&splits) {
+                Ok(changed) => break changed,
+                Err(bad) => {
+                    // A tetrahedron that is flat already cannot be made smaller.
+                    given_up.extend(bad.iter().map(|&i| splits[i as usize].edge));
+                    given_up.sort_unstable();
+                    splits.retain(|s| given_up.binary_search(&s.edge).is_err());
+                }
+            }
+        };
+    }
+    Ok(given_up.len())
+}
+
+/// The edges that should be split, sorted and each once.
+fn wanted(parts: &Subdivision, curve: &Curve, tolerance: f64, active: &[u32]) -> Vec<Split> {
+    let part = |i: &u32| &parts.parts[*i as usize];
+    let mut all: Vec<[u32; 2]> = active.iter().flat_map(|i| edges(part(i).vertices)).collect();
+    all.par_sort_unstable();
+    all.dedup();
+    let meets: Vec<Meets> =
+        all.par_iter().with_min_len(256).map(|e| meets(parts, curve, tolerance, *e)).collect();
+    let look = |a: u32, b: u32| {
+        let edge = [a.min(b), a.max(b)];
+        all.binary_search(&edge).map_or(Meets::Not, |at| meets[at])
+    };
+    let mut bends: Vec<[u32; 2]> = active
+        .par_iter()
+        .with_min_len(256)
+        .flat_map_iter(|i| {
+            let part = part(i);
+            TET_FACES.iter().filter_map(move |face| {
+                let f = face.map(|k| part.vertices[k]);
+                bends(parts, curve, tolerance, f, [look(f[0], f[1]), look(f[1], f[2]), look(f[2], f[0])])
+                    .then(|| longest(parts, part))
+            })
+        })
+        .collect();
+    bends.par_sort_unstable();
+    bends.dedup();
+    let mut splits: Vec<Split> = bends.into_iter().map(|edge| Split { edge, t: 0.5 }).collect();
+    splits.retain(|s| !matches!(look(s.edge[0], s.edge[1]), Meets::Often(_)));
+    splits.extend(all.iter().zip(&meets).filter_map(|(edge, m)| match m {
+        Meets::Often(t) => Some(Split { edge: *edge, t: *t }),
+        _ => None,
+    }));
+    splits.sort_unstable_by_key(|s| s.edge);
+    splits
+}
+
+fn meets(parts: &Subdivision, curve: &Curve, tolerance: f64, edge: [u32; 2]) -> Meets {
+    let [a, b] = edge.map(|v| parts.vertices[v as usize]);
+    let mut found = Vec::new();
+    curve.crossings(a, b, &mut found);
+    if found.len() > 1 {
+        // Two crossings with next to nothing between them cancel out.
+        let slight = |x: &Crossing, y: &Crossing| {
+            y.t - x.t < 2.0 * SNAP
+                || x.at.distance(y.at) < 0.25 * tolerance
+                || !curve.strays(x, y, 0.5 * tolerance)
+        };
+        let mut stays: Vec<Crossing> = Vec::with_capacity(found.len());
+        for x in found {
+            match stays.last() {
+                Some(last) if slight(last, &x) => {
+                    stays.pop();
+                }
+                _ => stays.push(x),
+            }
+        }
+        found = stays;
+    }
+    match found[..] {
+        [] => Meets::Not,
+        [x] => Meets::Once(x),
+        _ => {
+            let widest = found.windows(2).max_by(|v, w| (v[1].t - v[0].t).total_cmp(&(w[1].t - w[0].t)));
+            Meets::Often(widest.map_or(0.5, |w| 0.5 * (w[0].t + w[1].t)))
+        }
+    }
+}
+
+/// Whether the curve bends within a face, whose three edges meet it so.
+fn bends(parts: &Subdivision, curve: &Curve, tolerance: f64, face: [u32; 3], edges: [Meets; 3]) -> bool {
+    let mut once = edges.iter().filter_map(|m| if let Meets::Once(x) = m { Some(x) } else { None });
+    if edges.iter().any(|m| matches!(m, Meets::Often(_))) {
+        return false;
+    }
+    match (once.next(), once.next(), once.next()) {
+        (Some(x), Some(y), None) => curve.strays(x, y, tolerance),
+        (None, ..) => {
+            // All of a closed stroke may lie within the face.
+            curve.loop_point(2.0 * tolerance).is_some_and(|p| {
+                let seen = face.map(|v| curve.see(parts.vertices[v as usize]).0);
+                let left = [0, 1, 2].map(|k| turn(seen[k], seen[(k + 1) % 3], p));
+                left.iter().all(|&x| x > 0.0) || left.iter().all(|&x| x < 0.0)
+            })
+        }
+        _ => false,
+    }
+}
+
+/// The longest edge of a part; of equal ones that with the least vertices.
+fn longest(parts: &Subdivision, part: &Part) -> [u32; 2] {
+    let length = |e: &[u32; 2]| {
+        let [a, b] = e.map(|v| parts.vertices[v as usize]);
+        (b - a).length_squared()
+    };
+    let all = edges(part.vertices);
+    all.into_iter().max_by(|x, y| length(x).total_cmp(&length(y)).then(y.cmp(x))).unwrap_or(all[0])
+}

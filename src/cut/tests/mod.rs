@@ -1,0 +1,418 @@
+//! What every cut promises.
+
+mod sample;
+
+use glam::{DVec2, DVec3};
+use proptest::prelude::*;
+
+use super::*;
+use crate::colour::srgb_from_linear;
+use crate::lap::Patch;
+use crate::mesh::{FaceOrigin, NONE, TetMesh, gradients};
+use crate::volume::{AlphaMask, SolidTexture};
+use sample::{Draw, solid};
+
+fn plane(normal: [f64; 3], offset: f64) -> CutSurface {
+    CutSurface::Plane { normal: DVec3::from(normal), offset }
+}
+
+fn camera() -> Camera {
+    Camera::framing(DVec3::splat(-1.0), DVec3::ONE, 1.0)
+}
+
+fn stroke(points: impl IntoIterator<Item = [f64; 2]>, closed: bool) -> CutSurface {
+    let points = points.into_iter().map(DVec2::from).collect();
+    CutSurface::Stroke { stroke: Stroke { points, closed }, camera: camera() }
+}
+
+/// A sine wave across the picture.
+fn wave(amplitude: f64, waves: f64, points: u32) -> CutSurface {
+    let at = |i| {
+        let x = f64::from(i) / f64::from(points - 1);
+        [x, 0.5 + amplitude * (waves * std::f64::consts::TAU * x).sin()]
+    };
+    stroke((0..points).map(at), false)
+}
+
+/// A circle, or a star with `tips` where `inner` is less than `outer`.
+fn star(tips: u32, inner: f64, outer: f64) -> CutSurface {
+    let at = |i| {
+        let (a, r) =
+            (f64::from(i) * std::f64::consts::PI / f64::from(tips), if i % 2 == 0 { outer } else { inner });
+        [0.5 + r * a.cos(), 0.5 + r * a.sin()]
+    };
+    stroke((0..2 * tips).map(at), true)
+}
+
+fn made(solid: &LappedSolid, surface: &CutSurface) -> (Vec<LappedSolid>, CutReport) {
+    cut(solid, surface, &CutParams::default(), &Exec::default()).unwrap()
+}
+
+/// Everything that holds for the pieces of `model`, which may itself be a piece of `whole`.
+fn check(whole: &LappedSolid, model: &LappedSolid, pieces: &[LappedSolid], report: &CutReport) {
+    let mut volume = 0.0;
+    let mut last = f64::INFINITY;
+    for piece in pieces {
+        let mesh = &piece.mesh;
+        // Conforming, nothing inside out; the topology is that of a mesh made from scratch.
+        let mut origins = mesh.boundary.iter();
+        let again = TetMesh::new(mesh.vertices.clone(), mesh.tets.clone(), |_, _| {
+            origins.next().map_or(FaceOrigin::Cut(99), |f| f.origin)
+        })
+        .unwrap();
+        assert_eq!(&again, mesh);
+        closed(mesh);
+        connected(mesh);
+        let own = mesh.volume();
+        assert!(own <= last);
+        last = own;
+        volume += own;
+        let vertices = mesh.vertices.len();
+        let tets = mesh.tets.len();
+        assert_eq!((piece.depth.len(), piece.frame.len()), (vertices, vertices));
+        assert_eq!((piece.tet_origin.len(), piece.layer_start.len()), (tets, tets + 1));
+        assert_eq!(piece.layer_patch.len(), piece.layer_uvw.len());
+        assert_eq!(piece.layer_patch.len(), *piece.layer_start.last().unwrap() as usize);
+        assert_eq!(piece.cuts, model.cuts + 1);
+        assert!(piece.depth.iter().all(|d| (0.0..=1.0).contains(d)));
+        origins_fit(model, piece);
+        colours_fit(whole, piece);
+    }
+    let error = (volume / model.mesh.volume() - 1.0).abs();
+    assert!(error < 1e-9 && report.volume_error < 1e-9, "{error:e}");
+    assert_eq!((report.pieces, report.tets.len()), (pieces.len(), pieces.len()));
+    // Both sides of the cut show the same faces, with the same vertices to the bit.
+    let mut faces: Vec<[[u64; 3]; 3]> = Vec::new();
+    for piece in pieces {
+        for f in piece.mesh.boundary.iter().filter(|f| f.origin == FaceOrigin::Cut(model.cuts)) {
+            let mut key = piece.mesh.face_vertices(f).map(|v| {
+                piece.mesh.vertices[v as usize].to_array().map(f64::to_bits)
+            });
+            key.sort_unstable();
+            faces.push(key);
+        }
+    }
+    assert_eq!(faces.len(), 2 * report.cut_triangles);
+    faces.sort_unstable();
+    for pair in faces.chunks(2) {
+        assert_eq!(pair[0], pair[1]);
+    }
+}
+
+/// Every edge of the boundary has an even number of faces.
+fn closed(mesh: &TetMesh) {
+    let mut edges: Vec<[u32; 2]> = Vec::new();
+    for f in &mesh.boundary {
+        let [a, b, c] = mesh.face_vertices(f);
+        edges.extend([[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]));
+    }
+    edges.sort_unstable();
+    assert!(edges.chunk_by(|a, b| a == b).all(|e| e.len() % 2 == 0));
+}
+
+fn connected(mesh: &TetMesh) {
+    let mut seen = vec![false; mesh.tets.len()];
+    let mut stack = vec![0];
+    seen[0] = true;
+    while let Some(t) = stack.pop() {
+        for &n in mesh.neighbours[t].iter().filter(|&&n| n != NONE) {
+            if !std::mem::replace(&mut seen[n as usize], true) {
+                stack.push(n as usize);
+            }
+        }
+    }
+    assert!(seen.into_iter().all(|s| s));
+}
+
+/// Old boundary faces lie on the face that their origin names, and cover it.
+fn origins_fit(model: &LappedSolid, piece: &LappedSolid) {
+    for f in &piece.mesh.boundary {
+        let FaceOrigin::Input(name) = f.origin else { continue };
+        if model.cuts > 0 {
+            continue;
+        }
+        let (t, k) = (name as usize / 4, name as usize % 4);
+        assert_eq!(piece.tet_origin[f.tet as usize] as usize, t);
+        let corners = model.mesh.corners(t);
+        let height = model.mesh.gradients(t)[k];
+        let corner = corners[(k + 1) % 4];
+        for v in piece.mesh.face_vertices(f) {
+            assert!(height.dot(piece.mesh.vertices[v as usize] - corner).abs() < 1e-9);
+        }
+    }
+}
+
+fn colours_fit(whole: &LappedSolid, piece: &LappedSolid) {
+    let mut draw = Draw::new(11);
+    for _ in 0..200 {
+        let t = (draw.unit() * piece.mesh.tets.len() as f64) as usize;
+        let mut b = [0.0f64; 4].map(|_| -draw.unit().max(1e-9).ln());
+        let sum: f64 = b.iter().sum();
+        b = b.map(|x| x / sum);
+        let p: DVec3 = piece.mesh.corners(t).iter().zip(b).map(|(c, w)| *c * w).sum();
+        let origin = piece.tet_origin[t] as usize;
+        let corners = whole.mesh.corners(origin);
+        let mut there = gradients(corners).map(|g| g.dot(p - corners[0]) as f32);
+        there[0] = 1.0 - there[1] - there[2] - there[3];
+        assert!(there.iter().all(|&w| w > -1e-4), "{there:?}");
+        let (x, y) = (piece.colour(t, b.map(|w| w as f32)), whole.colour(origin, there));
+        for n in 0..4 {
+            assert!((x[n] - y[n]).abs() < 1.0 / 255.0, "{x:?} {y:?}");
+        }
+        for n in 0..3 {
+            assert!(srgb_from_linear(x[n]).abs_diff(srgb_from_linear(y[n])) <= 1, "{x:?} {y:?}");
+        }
+    }
+}
+
+#[test]
+fn a_plane_halves_a_cube() {
+    let whole = solid(5, false, 0.2, 1);
+    let (pieces, report) = made(&whole, &plane([0.0, 0.0, 3.0], 0.6));
+    check(&whole, &whole, &pieces, &report);
+    assert_eq!(pieces.len(), 2);
+    assert!((report.volumes[0] - 4.8).abs() < 1e-2 && (report.volumes[1] - 3.2).abs() < 1e-2);
+    assert!((report.cut_area - 4.0).abs() < 1e-3);
+    // Each side of the cut ends at the plane, but for what was snapped.
+    for piece in &pieces {
+        for f in piece.mesh.boundary.iter().filter(|f| f.origin == FaceOrigin::Cut(0)) {
+            for v in piece.mesh.face_vertices(f) {
+                assert!((piece.mesh.vertices[v as usize].z - 0.2).abs() < 2e-3);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_plane_through_vertices_and_faces_leaves_no_slivers() {
+    let whole = solid(4, false, 0.0, 2);
+    for (surface, added) in [
+        // Through a layer of faces, through diagonals of cells, through some edges.
+        (plane([0.0, 0.0, 1.0], 0.0), Some(0)),
+        (plane([1.0, -1.0, 0.0], 0.0), Some(0)),
+        (plane([1.0, 0.0, 0.0], 1e-9), Some(0)),
+        (plane([1.0, 1.0, 1.0], 0.5), None),
+        (plane([1.0, 1.0, 0.0], 0.0), None),
+    ] {
+        let (pieces, report) = made(&whole, &surface);
+        check(&whole, &whole, &pieces, &report);
+        assert_eq!(pieces.len(), 2, "{surface:?}");
+        if let Some(added) = added {
+            assert_eq!(report.vertices_cut, added, "{surface:?}");
+        }
+        for piece in &pieces {
+            let least = (0..piece.mesh.tets.len()).map(|t| piece.mesh.tet_volume(t)).fold(1.0, f64::min);
+            assert!(least > 1e-5, "{surface:?}: {least:e}");
+        }
+    }
+}
+
+#[test]
+fn a_wavy_stroke_leaves_two_pieces() {
+    let whole = solid(6, true, 0.2, 3);
+    for surface in [
+        wave(0.05, 1.0, 50),
+        wave(0.2, 3.0, 200),
+        wave(0.1, 12.0, 49),
+        wave(0.25, 8.0, 17),
+        stroke([[0.3, 0.2], [0.6, 0.5], [0.35, 0.55], [0.7, 0.8]], false),
+    ] {
+        let (pieces, report) = made(&whole, &surface);
+        check(&whole, &whole, &pieces, &report);
+        assert_eq!(pieces.len(), 2, "{report:?}");
+        assert_eq!(report.unresolved, 0);
+    }
+}
+
+#[test]
+fn a_closed_stroke_cuts_a_piece_out() {
+    let whole = solid(6, true, 0.2, 4);
+    // The last one is far smaller than what is seen of a tetrahedron.
+    for (surface, share) in
+        [(star(20, 0.15, 0.15), 0.2), (star(9, 0.05, 0.3), 0.5), (star(5, 0.01, 0.02), 0.01)]
+    {
+        let (pieces, report) = made(&whole, &surface);
+        check(&whole, &whole, &pieces, &report);
+        assert_eq!(pieces.len(), 2, "{report:?}");
+        assert!(report.volumes[1] < share * report.volumes[0] && report.volumes[1] > 0.0);
+    }
+}
+
+#[test]
+fn the_cut_follows_the_stroke() {
+    let whole = solid(6, true, 0.2, 5);
+    let surface = wave(0.15, 2.0, 120);
+    let CutSurface::Stroke { stroke, camera } = &surface else { unreachable!() };
+    let curve = Curve::new(stroke, camera, &whole.mesh.vertices).unwrap();
+    let farthest = |tolerance: f64| {
+        let (pieces, report) = cut(&whole, &surface, &CutParams { tolerance }, &Exec::default()).unwrap();
+        let mut farthest = 0.0f64;
+        for piece in &pieces {
+            for f in piece.mesh.boundary.iter().filter(|f| f.origin == FaceOrigin::Cut(0)) {
+                let centre = piece.mesh.face_vertices(f).map(|v| piece.mesh.vertices[v as usize]);
+                let (at, _) = curve.see(centre.iter().sum::<DVec3>() / 3.0);
+                let ends = (0..stroke.points.len() - 1).map(|k| {
+                    let [a, b] = [stroke.points[k], stroke.points[k + 1]].map(|p| DVec2::new(p.y, p.x));
+                    let t = ((at - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+                    at.distance(a + (b - a) * t)
+                });
+                farthest = farthest.max(ends.fold(1.0, f64::min));
+            }
+        }
+        (farthest, report.vertices_refined)
+    };
+    let (fine, many) = farthest(0.001);
+    let (coarse, few) = farthest(0.1);
+    assert!(fine < 0.002, "{fine} {coarse}");
+    assert!(coarse > 0.005 && many > few, "{fine} {coarse} {few} {many}");
+}
+
+#[test]
+fn pieces_can_be_cut_again() {
+    let whole = solid(5, true, 0.2, 6);
+    let (first, _) = made(&whole, &wave(0.2, 2.0, 80));
+    for piece in &first {
+        let (second, report) = made(piece, &plane([1.0, 0.3, 0.2], 0.05));
+        check(&whole, piece, &second, &report);
+        assert!(second.len() >= 2);
+        // The first cut's faces are still known beside those of the second.
+        for origin in [FaceOrigin::Cut(0), FaceOrigin::Cut(1)] {
+            assert!(second[0].mesh.boundary.iter().any(|f| f.origin == origin));
+        }
+        let (third, report) = made(&second[0], &star(12, 0.1, 0.2));
+        check(&whole, &second[0], &third, &report);
+    }
+}
+
+#[test]
+fn threads_change_nothing() {
+    let whole = solid(6, true, 0.2, 7);
+    for surface in [wave(0.2, 3.0, 100), plane([1.0, 2.0, 0.5], 0.1)] {
+        let run = |threads| {
+            cut(&whole, &surface, &CutParams::default(), &Exec::with_threads(threads).unwrap()).unwrap()
+        };
+        assert!(run(1) == run(3));
+    }
+}
+
+#[test]
+fn parts_that_were_apart_stay_apart() {
+    // Two cubes side by side: the plane passes between them.
+    let cube = solid(2, false, 0.0, 8);
+    let mut both = cube.clone();
+    let n = cube.mesh.vertices.len() as u32;
+    let moved = cube.mesh.vertices.iter().map(|p| *p + DVec3::X * 3.0);
+    let vertices = cube.mesh.vertices.iter().copied().chain(moved).collect();
+    let tets = cube.mesh.tets.iter().copied().chain(cube.mesh.tets.iter().map(|t| t.map(|v| v + n)));
+    both.mesh = TetMesh::new(vertices, tets.collect(), |_, _| FaceOrigin::Input(0)).unwrap();
+    both.depth.extend_from_slice(&cube.depth);
+    both.frame.extend_from_slice(&cube.frame);
+    let layers = cube.layer_patch.len() as u32;
+    both.layer_start.extend(cube.layer_start[1..].iter().map(|l| l + layers));
+    both.layer_patch.extend_from_slice(&cube.layer_patch);
+    both.layer_uvw.extend_from_slice(&cube.layer_uvw);
+    both.tet_origin.extend(cube.tet_origin.iter().map(|t| t + cube.tet_origin.len() as u32));
+    let (pieces, report) = made(&both, &plane([1.0, 0.0, 0.0], 1.5));
+    assert_eq!((pieces.len(), report.cut_triangles), (2, 0));
+    let (pieces, report) = made(&both, &plane([0.0, 0.0, 1.0], 0.3));
+    assert_eq!(pieces.len(), 4);
+    assert!((report.cut_area - 8.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_cut_that_cannot_be_made_says_why() {
+    let whole = solid(3, false, 0.0, 9);
+    let error = |s: &CutSurface| cut(&whole, s, &CutParams::default(), &Exec::default()).unwrap_err();
+    let missed = error(&plane([0.0, 0.0, 2.0], 5.0));
+    assert_eq!(missed, CutError::PlaneMisses { from: -2.0, to: 2.0, offset: 5.0 });
+    // Touching is missing too: there would be no piece beyond.
+    assert!(matches!(error(&plane([0.0, 0.0, 1.0], 1.0)), CutError::PlaneMisses { .. }));
+    assert!(matches!(error(&plane([0.0, 0.0, 1.0], -1.0)), CutError::PlaneMisses { .. }));
+    for bad in [plane([0.0; 3], 1.0), plane([f64::NAN, 0.0, 1.0], 0.0), plane([1.0, 0.0, 0.0], f64::INFINITY)]
+    {
+        assert!(matches!(error(&bad), CutError::BadPlane { .. }));
+    }
+    assert!(matches!(error(&stroke([[0.0, 0.02], [1.0, 0.02]], false)), CutError::StrokeMisses { .. }));
+    assert!(matches!(error(&star(4, 0.01, 0.01)), CutError::StrokeMisses { .. }) || star(4, 0.01, 0.01) != plane([0.0; 3], 0.0));
+    assert!(matches!(error(&star(9, 2.0, 2.0)), CutError::StrokeSurrounds { .. }));
+    let crossed = stroke([[0.2, 0.2], [0.8, 0.8], [0.8, 0.2], [0.2, 0.8]], false);
+    assert!(matches!(error(&crossed), CutError::Stroke(StrokeError::CrossesItself { .. })));
+    let blind = Camera { fov_y_deg: 0.0, ..camera() };
+    let CutSurface::Stroke { stroke: s, .. } = wave(0.1, 1.0, 9) else { unreachable!() };
+    let blind = CutSurface::Stroke { stroke: s.clone(), camera: blind };
+    assert!(matches!(error(&blind), CutError::Camera(CameraError::FieldOfView(_))));
+    let near = Camera { eye: DVec3::new(0.9, 0.9, 0.9), ..camera() };
+    let near = CutSurface::Stroke { stroke: s, camera: near };
+    assert!(matches!(error(&near), CutError::BehindCamera { .. }));
+    let coarse = CutParams { tolerance: 0.0 };
+    let refused = cut(&whole, &wave(0.1, 1.0, 9), &coarse, &Exec::default()).unwrap_err();
+    assert_eq!(refused, CutError::BadTolerance(0.0));
+    let exec = Exec::default();
+    exec.cancel_token().cancel();
+    let stopped = cut(&whole, &wave(0.1, 1.0, 9), &CutParams::default(), &exec).unwrap_err();
+    assert_eq!(stopped, CutError::Cancelled(Cancelled));
+}
+
+#[test]
+fn round_off_never_turns_a_tetrahedron_inside_out() {
+    // Far from the origin, coordinates are so coarse that small parts cannot be told from flat ones.
+    let mut whole = solid(4, false, 0.2, 10);
+    for offset in [1e6, 1e10, 3e11] {
+        let near = whole.mesh.vertices.clone();
+        for p in &mut whole.mesh.vertices {
+            *p += DVec3::new(1.0, 0.7, 0.3) * offset;
+        }
+        let good = (0..whole.mesh.tets.len()).all(|t| whole.mesh.tet_volume(t) > 0.0);
+        let normal = DVec3::new(1.0, 0.2, 0.3);
+        let d = normal.dot(DVec3::new(1.0, 0.7, 0.3) * offset);
+        if good {
+            let (pieces, _) = made(&whole, &CutSurface::Plane { normal, offset: d + 0.1 });
+            for piece in &pieces {
+                let m = &piece.mesh;
+                assert!(TetMesh::new(m.vertices.clone(), m.tets.clone(), |_, _| FaceOrigin::Cut(0)).is_ok());
+            }
+        }
+        whole.mesh.vertices = near;
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_plane(seed in 0u64..1000, n in 2u32..5, ball: bool, jitter in 0.0..0.25f64,
+                 normal in prop::array::uniform3(-1.0..1.0f64), offset in -0.6..0.6f64, grid: bool) {
+        let whole = solid(n, ball, jitter, seed);
+        // Half of them through places where vertices are.
+        let round = |x: f64| if grid { (x * f64::from(n)).round() / f64::from(n) } else { x };
+        let surface = plane(normal.map(round), round(offset));
+        match cut(&whole, &surface, &CutParams::default(), &Exec::default()) {
+            Ok((pieces, report)) => {
+                check(&whole, &whole, &pieces, &report);
+                prop_assert!(pieces.len() >= 2);
+            }
+            Err(CutError::BadPlane { .. }) => prop_assert!(normal.map(round) == [0.0; 3]),
+            Err(CutError::PlaneMisses { from, to, offset }) => {
+                prop_assert!(offset <= from + 1e-2 || offset >= to - 1e-2);
+            }
+            Err(e) => prop_assert!(false, "{e}"),
+        }
+    }
+
+    #[test]
+    fn any_stroke(seed in 0u64..1000, n in 2u32..5, ball: bool, closed: bool,
+                  points in prop::collection::vec(prop::array::uniform2(0.2..0.8f64), 2..6)) {
+        let whole = solid(n, ball, 0.2, seed);
+        match cut(&whole, &stroke(points, closed), &CutParams { tolerance: 0.004 }, &Exec::default()) {
+            Ok((pieces, report)) => {
+                check(&whole, &whole, &pieces, &report);
+                prop_assert!(pieces.len() >= 2);
+                prop_assert_eq!(report.unresolved, 0);
+            }
+            Err(e) => prop_assert!(matches!(
+                e,
+                CutError::Stroke(_) | CutError::ExtensionCrosses { .. } | CutError::StrokeMisses { .. }
+            ), "{}", e),
+        }
+    }
+}
