@@ -191,7 +191,7 @@ pub fn tet_mesh(
     let mut start = Instant::now();
     if is_tet_file(path) {
         let mesh =
-            mesh::read_tets(path).map_err(|source| PartError::TetFile { path: path.to_owned(), source })?;
+            mesh::read_tets(path)?;
         report.took("read", start);
         report.count("tetrahedra", mesh.tets.len());
         report.count("vertices", mesh.vertices.len());
