@@ -6,7 +6,7 @@ use glam::DVec3;
 use lapis::colour::encode;
 use lapis::files::read_whole;
 use lapis::lap::LappedSolid;
-use lapis::mesh::{FaceOrigin, TetMesh, TriMesh, clean, read_tets};
+use lapis::mesh::{FaceOrigin, TetLocator, TetMesh, TriMesh, clean, read_tets};
 use lapis::project::{Project, Report, is_tet_file};
 use lapis::view::{Camera, StrokeFile, read_camera};
 use lapis::volume::SolidTexture;
@@ -206,14 +206,15 @@ fn lapped_solid(report: &mut Report, solid: &LappedSolid, at: &[DVec3]) {
     report.measure("layers_mean", mean);
     report.measure("settings", solid.settings.clone());
     if !at.is_empty() {
-        let points: Vec<Value> = at.iter().map(|&p| point(solid, p)).collect();
+        let locator = TetLocator::new(&solid.mesh);
+        let points: Vec<Value> = at.iter().map(|&p| point(solid, &locator, p)).collect();
         report.measure("at", points);
     }
 }
 
 /// What the model is at a point; only the point itself where it lies outside.
-fn point(solid: &LappedSolid, p: DVec3) -> Value {
-    let Some((tet, barycentric)) = solid.locate(p) else {
+fn point(solid: &LappedSolid, locator: &TetLocator, p: DVec3) -> Value {
+    let Some((tet, barycentric)) = locator.find(p) else {
         return json!({ "point": p.to_array(), "tet": null });
     };
     let depth: f64 =
