@@ -6,6 +6,9 @@
 use glam::DVec3;
 use robust::{Coord, Coord3D, orient2d, orient3d};
 
+/// The least and greatest size of a mesh for which [`super::clean`] keeps the predicates exact.
+pub(crate) const DOMAIN: [f64; 2] = [1e-30, 1e30];
+
 /// A triangle's corners.
 pub(crate) type Corners = [DVec3; 3];
 
@@ -26,9 +29,6 @@ fn sign(x: f64) -> i8 {
 pub(crate) struct Projection(usize);
 
 impl Projection {
-    /// Along z.
-    pub(crate) const XY: Self = Self(2);
-
     /// One in which the triangle has an area; `None` where its corners are exactly collinear.
     pub(crate) fn of(corners: Corners) -> Option<Self> {
         (0..3).map(Self).find(|p| p.turn(corners) != 0)
@@ -78,6 +78,39 @@ impl Projection {
 /// Whether the corners are exactly collinear: a triangle without area.
 pub(crate) fn collinear(corners: Corners) -> bool {
     Projection::of(corners).is_none()
+}
+
+/// Whether a triangle is met by the ray that goes up (along z) from a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Above {
+    /// It is.
+    Yes,
+    /// It is not.
+    No,
+    /// The point lies on it.
+    Touches,
+}
+
+/// Whether a triangle is above `p`. The ray is moved by (ε, ε²) in x and y, ε → 0, so that it never meets an
+/// edge: over a closed surface the number of triangles above is odd inside and even outside.
+pub(crate) fn above(corners: Corners, p: DVec3) -> Above {
+    let flat = Projection(2);
+    let turn = flat.turn(corners);
+    let [a, b, c] = corners;
+    let moved_turn = |u: DVec3, v: DVec3| match flat.turn([u, v, p]) {
+        0 if u.y != v.y => sign(u.y - v.y),
+        0 => sign(v.x - u.x),
+        s => s,
+    };
+    // A vertical triangle (turn 0) is never met.
+    if turn == 0 || [[a, b], [b, c], [c, a]].iter().any(|&[u, v]| moved_turn(u, v) != turn) {
+        return Above::No;
+    }
+    match side_of_plane(corners, p) * turn {
+        0 => Above::Touches,
+        s if s < 0 => Above::Yes,
+        _ => Above::No,
+    }
 }
 
 /// Whether a closed segment and a closed triangle (with an area) have a point in common.
@@ -155,6 +188,24 @@ mod tests {
             side_of_plane([DVec3::ZERO, DVec3::X, dvec3(0.0, 1.0, 1.0)], dvec3(0.0, 0.3, 0.1 + 0.2)),
             1
         );
+    }
+
+    #[test]
+    fn one_triangle_is_above_wherever_the_ray_goes() {
+        // A fan around (0, 0) at height 1: from below, exactly one of its triangles is above, also where the ray
+        // goes through the middle vertex or through edges.
+        let rim = [[1.0, 0.0], [0.5, 1.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0], [1.0, -1.0]];
+        let fan: Vec<Corners> = (0..6)
+            .map(|i| {
+                let [u, v] = [rim[i], rim[(i + 1) % 6]].map(|p| dvec3(p[0], p[1], 1.0));
+                if i % 2 == 0 { [DVec3::Z, u, v] } else { [DVec3::Z, v, u] }
+            })
+            .collect();
+        for (x, y) in [(0.0, 0.0), (0.25, 0.5), (0.5, 0.0), (0.0, 0.5), (0.0, -0.5), (0.25, -0.25), (0.1, 0.1)] {
+            let count = |z, kind| fan.iter().filter(|&&t| above(t, dvec3(x, y, z)) == kind).count();
+            assert_eq!((count(0.0, Above::Yes), count(1.0, Above::Touches), count(2.0, Above::Yes)), (1, 1, 0));
+        }
+        assert!(fan.iter().all(|&t| above(t, dvec3(2.0, 0.0, 0.0)) == Above::No));
     }
 
     #[test]

@@ -170,4 +170,4 @@ pub fn defects(mesh: &TriMesh, exec: &Exec) -> Result<Defects, Cancelled> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
