@@ -1,6 +1,7 @@
 //! The direction field R \[LST 4.2, 4.4, 5.2.2\]: strokes spread by Laplacian smoothing.
 
-use std::collections::VecDeque;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -100,7 +101,9 @@ impl From<SmoothError> for DirectionError {
 }
 
 /// A smoothed vector shorter than this is what is left of strokes that cancel each other.
-const SHORT: f64 = 0.02;
+const SHORT: f64 = 0.1;
+/// A smoothed line field whose main eigenvalue is below this, likewise.
+const FAINT: f64 = 0.02;
 /// Least sine between R and the depth's gradient for R's own part across it to count.
 const STEEP: f64 = 0.05;
 /// Least share by which the main direction of a line field must exceed the second.
@@ -127,15 +130,16 @@ pub fn direction_field(
     check(mesh, strokes, depth, params)?;
     let _stage = exec.stage("direction", 0);
     let graph = Graph::new(mesh);
-    let (pins, tangents) = pins(mesh, &graph, strokes)?;
+    let component = graph.components();
+    let Pinned { pins, tangents, seeds } = pinned(mesh, &graph, &component, strokes)?;
     exec.check()?;
     let values = depth.map(|d| d.values.as_slice());
     let weights = weights(&graph, values);
     let smoother = Smoother::new(&graph, &weights, &pins, params.stiffness, 0.0, exec)?;
     let smooth = if params.line_field {
         let targets: Vec<[f64; 6]> = tangents.iter().map(|t| outer(*t)).collect();
-        let lines = smoother.solve(&targets, [0.0; 6]).into_iter().map(main_direction).collect();
-        agree_in_sign(&graph, lines, &pins, &tangents)
+        let lines = smoother.solve(&targets, [0.0; 6]).into_iter().map(main_direction).collect::<Vec<_>>();
+        agree_in_sign(&graph, &lines, &seeds)
     } else {
         let targets: Vec<[f64; 3]> = tangents.iter().map(DVec3::to_array).collect();
         let vectors = smoother.solve(&targets, [0.0; 3]).into_iter().map(DVec3::from_array);
@@ -192,23 +196,42 @@ fn check(
     }
 }
 
-/// Where the strokes' samples lie in the mesh, with their tangents; at least one in each connected part.
-fn pins(
+/// Where the strokes' samples lie in the mesh.
+struct Pinned {
+    pins: Vec<Pin>,
+    /// The tangent at each pin.
+    tangents: Vec<DVec3>,
+    /// Vertices along the first stroke in each connected part, with the sense in which it was drawn.
+    seeds: Vec<(u32, DVec3)>,
+}
+
+/// At least one pin in each connected part.
+fn pinned(
     mesh: &TetMesh,
     graph: &Graph,
+    component: &[u32],
     strokes: &[DirectionStroke],
-) -> Result<(Vec<Pin>, Vec<DVec3>), DirectionError> {
+) -> Result<Pinned, DirectionError> {
     let locator = TetLocator::new(mesh);
     let (lo, hi) = mesh.bounds().ok_or(DirectionError::EmptyMesh)?;
     let margin = DVec3::splat(graph.mean_edge);
     let mut pins = Vec::new();
     let mut samples: Vec<Sample> = Vec::new();
+    let mut seeds = Vec::new();
+    let parts = component.iter().max().map_or(0, |c| *c as usize + 1);
+    // The first stroke in each part.
+    let mut first = vec![None; parts];
     for (stroke, s) in strokes.iter().enumerate() {
         let before = pins.len();
         for q in sample(&s.points, graph.mean_edge) {
             let inside = q.point.cmpge(lo - margin).all() && q.point.cmple(hi + margin).all();
             if let Some((tet, b)) = locator.nearest(q.point).filter(|_| inside) {
-                pins.push(Pin::inside(mesh, tet, b));
+                let pin = Pin::inside(mesh, tet, b);
+                let v = pin.main_vertex();
+                if *first[component[v as usize] as usize].get_or_insert(stroke) == stroke {
+                    seeds.push((v, q.tangent));
+                }
+                pins.push(pin);
                 samples.push(q);
             }
         }
@@ -216,85 +239,66 @@ fn pins(
             return Err(DirectionError::StrokeMisses { stroke });
         }
     }
-    for (v, tangent) in orphans(mesh, graph, &pins, &samples) {
-        pins.push(Pin::vertex(v));
-        samples.push(Sample { point: mesh.vertices[v as usize], tangent });
+    let mut tangents: Vec<DVec3> = samples.iter().map(|q| q.tangent).collect();
+    for (v, middle) in middles(mesh, component, &first) {
+        let nearest = samples
+            .iter()
+            .min_by(|a, b| middle.distance_squared(a.point).total_cmp(&middle.distance_squared(b.point)));
+        if let Some(q) = nearest {
+            pins.push(Pin::vertex(v));
+            tangents.push(q.tangent);
+            seeds.push((v, q.tangent));
+        }
     }
-    Ok((pins, samples.iter().map(|q| q.tangent).collect()))
+    Ok(Pinned { pins, tangents, seeds })
 }
 
-/// For each connected part without a pin its first vertex, and the tangent of the sample nearest to its
-/// middle.
-fn orphans(mesh: &TetMesh, graph: &Graph, pins: &[Pin], samples: &[Sample]) -> Vec<(u32, DVec3)> {
-    let component = graph.components();
-    let count = component.iter().max().map_or(0, |c| *c as usize + 1);
-    let mut pinned = vec![false; count];
-    for pin in pins {
-        pinned[component[pin.vertices[0] as usize] as usize] = true;
-    }
-    let mut parts = vec![(u32::MAX, DVec3::ZERO, 0.0); count];
+/// For each connected part without a stroke its first vertex and the mean of its vertices.
+fn middles(mesh: &TetMesh, component: &[u32], first: &[Option<usize>]) -> Vec<(u32, DVec3)> {
+    let mut parts = vec![(u32::MAX, DVec3::ZERO, 0.0); first.len()];
     for (v, &c) in component.iter().enumerate() {
-        let (first, sum, n) = &mut parts[c as usize];
-        *first = (*first).min(index(v));
+        let (least, sum, count) = &mut parts[c as usize];
+        *least = (*least).min(index(v));
         *sum += mesh.vertices[v];
-        *n += 1.0;
+        *count += 1.0;
     }
-    let nearest = |middle: DVec3| {
-        samples
-            .iter()
-            .min_by(|a, b| middle.distance_squared(a.point).total_cmp(&middle.distance_squared(b.point)))
-    };
-    parts
-        .iter()
-        .zip(pinned)
-        .filter(|(_, pinned)| !pinned)
-        .filter_map(|((first, sum, n), _)| Some((*first, nearest(*sum / *n)?.tangent)))
-        .collect()
+    let bare = parts.into_iter().zip(first).filter(|(_, stroke)| stroke.is_none());
+    bare.map(|((v, sum, count), _)| (v, sum / count)).collect()
 }
 
 /// The main eigenvector; `None` where no direction stands out.
 fn main_direction(line: [f64; 6]) -> Option<DVec3> {
     let [(first, axis), (second, _), _] = eigen(line);
-    (first > SHORT && first - second > DISTINCT * first).then_some(axis)
+    (first > FAINT && first - second > DISTINCT * first).then_some(axis)
 }
 
-/// Gives the lines senses, breadth-first from a stroke in each connected part: each agrees with the
-/// sum of those before it that lie beside it.
-fn agree_in_sign(
-    graph: &Graph,
-    mut lines: Vec<Option<DVec3>>,
-    pins: &[Pin],
-    tangents: &[DVec3],
-) -> Vec<Option<DVec3>> {
-    let mut reached = vec![false; graph.len()];
-    let mut done = vec![false; graph.len()];
-    let mut queue = VecDeque::new();
-    for (pin, tangent) in pins.iter().zip(tangents) {
-        let start = pin.main_vertex() as usize;
-        if reached[start] {
+/// Gives the lines senses, outwards from the first stroke in each connected part. The best aligned
+/// neighbour is always next: breadth-first alone would carry the sense straight through the axis of a
+/// rotation and leave a seam behind it.
+fn agree_in_sign(graph: &Graph, lines: &[Option<DVec3>], seeds: &[(u32, DVec3)]) -> Vec<Option<DVec3>> {
+    let mut sense: Vec<Option<DVec3>> = vec![None; graph.len()];
+    // (alignment, vertex, the sense it comes from, as bits): floats ≥ 0 are ordered as their bits are.
+    let mut heap: BinaryHeap<(u64, Reverse<u32>, [u64; 3])> = BinaryHeap::new();
+    let entry = |v: u32, from: DVec3, bonus: f64| {
+        let alignment = lines[v as usize].map_or(0.0, |r| r.dot(from).abs());
+        ((alignment + bonus).to_bits(), Reverse(v), from.to_array().map(f64::to_bits))
+    };
+    heap.extend(seeds.iter().map(|&(v, tangent)| entry(v, tangent, 2.0)));
+    while let Some((_, Reverse(v), from)) = heap.pop() {
+        if sense[v as usize].is_some() {
             continue;
         }
-        reached[start] = true;
-        queue.push_back(start);
-        while let Some(v) = queue.pop_front() {
-            let before: DVec3 =
-                graph.of(v).iter().filter(|&&w| done[w as usize]).filter_map(|&w| lines[w as usize]).sum();
-            let sense = if before == DVec3::ZERO { *tangent } else { before };
-            if let Some(r) = &mut lines[v] {
-                if r.dot(sense) < 0.0 {
-                    *r = -*r;
-                }
-            }
-            done[v] = true;
-            for &w in graph.of(v) {
-                if !reached[w as usize] {
-                    reached[w as usize] = true;
-                    queue.push_back(w as usize);
-                }
+        let from = DVec3::from_array(from.map(f64::from_bits));
+        let here = lines[v as usize].map_or(from, |r| if r.dot(from) < 0.0 { -r } else { r });
+        sense[v as usize] = Some(here);
+        for &w in graph.of(v as usize) {
+            if sense[w as usize].is_none() {
+                heap.push(entry(w, here, 0.0));
             }
         }
     }
-    lines
+    // A vertex without a line only passed the sense on.
+    lines.iter().zip(sense).map(|(line, sense)| line.and(sense)).collect()
 }
 
 #[cfg(test)]
@@ -378,14 +382,14 @@ mod tests {
             let field = direction_field(&mesh, &strokes, Some(&depth), &params, &Exec::default()).unwrap();
             for (r, p) in field.iter().zip(&mesh.vertices) {
                 let radius = p.truncate().length();
-                if radius > 0.3 && p.z.abs() < 0.9 {
+                if radius > 0.35 && p.z.abs() < 0.9 {
                     let around = DVec3::Z.cross(*p).normalize();
                     assert!(r.dot(around).abs() > 0.9, "{line_field} {p} {r}");
                 }
             }
             // The sense is the strokes' own, all around.
-            let senses = field.iter().zip(&mesh.vertices).filter(|(_, p)| p.truncate().length() > 0.3);
-            assert!(senses.clone().all(|(r, p)| r.dot(DVec3::Z.cross(*p)) > 0.0));
+            let senses = field.iter().zip(&mesh.vertices).filter(|(_, p)| p.truncate().length() > 0.35);
+            assert!(senses.clone().all(|(r, p)| r.dot(DVec3::Z.cross(*p)) > 0.0), "{line_field}");
         }
     }
 

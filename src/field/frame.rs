@@ -164,7 +164,7 @@ mod tests {
         let mesh = ball(1, 4);
         let depth = depth(&mesh);
         let direction: Vec<DVec3> =
-            mesh.vertices.iter().map(|p| (DVec3::Z + p.cross(DVec3::X)).normalize()).collect();
+            mesh.vertices.iter().map(|p| (DVec3::Z + 0.5 * p.cross(DVec3::X)).normalize()).collect();
         let scale: Vec<f64> = mesh.vertices.iter().map(|p| 0.3 + 0.1 * p.x).collect();
         for direction in [None, Some(direction.as_slice())] {
             for depth in [None, Some(&depth)] {

@@ -33,9 +33,13 @@ impl Pin {
 /// Weights so small would leave vertices hanging by nothing but rounding errors.
 const LEAST_WEIGHT: f64 = 1e-4;
 
+/// σ over the mean difference of depth along the edges. At 1, what was drawn on the skin hardly reaches
+/// the core: vectors fade to 4 % there and their directions are noise; at 2 they keep about a third.
+const SIGMA: f64 = 2.0;
+
 /// The weight of each edge in the order of the graph's neighbours: 1, or with a depth
-/// exp(−((dᵢ − dⱼ)/σ)²), σ the mean difference of depth along the mesh's edges, so that values spread
-/// along layers rather than across them.
+/// exp(−((dᵢ − dⱼ)/σ)²), σ twice the mean difference of depth along the mesh's edges, so that values
+/// spread along layers rather than across them.
 pub(crate) fn weights(graph: &Graph, depth: Option<&[f64]>) -> Vec<f64> {
     let all = 0..graph.len();
     let pairs = all.flat_map(|v| graph.of(v).iter().map(move |&w| (v, w as usize)));
@@ -47,7 +51,8 @@ pub(crate) fn weights(graph: &Graph, depth: Option<&[f64]>) -> Vec<f64> {
     if mean <= 0.0 {
         return vec![1.0; steps.len()];
     }
-    steps.iter().map(|step| (-(step / mean) * (step / mean)).exp().max(LEAST_WEIGHT)).collect()
+    let sigma = SIGMA * mean;
+    steps.iter().map(|step| (-(step / sigma).powi(2)).exp().max(LEAST_WEIGHT)).collect()
 }
 
 /// Minimises Σᵢ |xᵢ − Σⱼ wᵢⱼ xⱼ|² + μ Σ_pins |Σₖ λₖ x(vₖ) − c|² + ε Σᵢ |xᵢ − rest|², with the weights of each row
@@ -196,8 +201,8 @@ mod tests {
         for v in 0..graph.len() {
             for (&w, weight) in graph.of(v).iter().zip(&weights[graph.range(v)]) {
                 let step = (depth[v] - depth[w as usize]).abs();
-                assert!(step > 0.2 || *weight > 0.4, "{step} {weight}");
-                assert!(step < 0.2 || *weight < 0.4, "{step} {weight}");
+                assert!(step > 0.15 || *weight > 0.75, "{step} {weight}");
+                assert!(step < 0.2 || *weight < 0.75, "{step} {weight}");
             }
         }
     }

