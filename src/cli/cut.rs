@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use lapis::cut::{CutParams, CutSurface, cut};
-use lapis::lap::LappedSolid;
 use lapis::project::{OutputError, OutputFolder, Report};
 use lapis::render::frame_all;
 use lapis::view::StrokeFile;
 
 use super::failure::Failure;
 use super::options::Shared;
+use super::read_model;
 use super::values;
 
 /// `lapis cut MODEL (--stroke FILE | --plane NX,NY,NZ,D) -o DIR`
@@ -60,7 +60,7 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         let mut folder = OutputFolder::check(&args.output)?;
         let stroke = args.stroke.as_deref().map(StrokeFile::read).transpose()?;
         let start = Instant::now();
-        let solid = LappedSolid::read(&args.model)?;
+        let solid = read_model(&args.model)?;
         let mut report = Report::default();
         report.took("read", start);
 

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use lapis::export::{AtlasParams, PlyParams, glb, ply};
-use lapis::lap::LappedSolid;
 use lapis::project::{ExportFormat, OutputFile, Report};
 
 use super::failure::Failure;
 use super::options::Shared;
+use super::read_model;
 
 /// `lapis export MODEL -o FILE.(glb|ply)`
 #[derive(Debug, clap::Args)]
@@ -41,7 +41,7 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         let output = OutputFile::check(&args.output, args.shared.force)?;
         let mut report = Report::default();
         let start = Instant::now();
-        let solid = LappedSolid::read(&args.model)?;
+        let solid = read_model(&args.model)?;
         report.took("read", start);
         let start = Instant::now();
         let bytes = match format {

@@ -14,6 +14,7 @@ use serde_json::{Value, json};
 
 use super::failure::Failure;
 use super::options::{Session, Shared, table};
+use super::read_model;
 use super::values;
 
 /// `lapis info FILE`
@@ -89,7 +90,7 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
             Kind::Tets => tet_mesh(&mut report, &read_tets(path).map_err(Failure::because(what))?),
             Kind::Volume => volume(&mut report, &lapis::volume::read(path).map_err(Failure::because(what))?),
             Kind::Solid => {
-                let solid = LappedSolid::read(path).map_err(Failure::because(what))?;
+                let solid = read_model(path)?;
                 lapped_solid(&mut report, &solid, &args.at);
             }
             Kind::Project => project(&mut report, &Project::read(path)?),
@@ -149,7 +150,9 @@ fn tri_mesh(report: &mut Report, mesh: &TriMesh, session: &Session) -> Result<()
     // A mesh of which cleaning leaves nothing has no more to tell.
     match clean(mesh) {
         Ok((mesh, cleaned)) => {
-            report.add(&cleaned);
+            let mut cleaning = Report::default();
+            cleaning.add(&cleaned);
+            report.nest("cleaned", cleaning);
             report.measure("volume", mesh.volume());
             let defects = lapis::mesh::defects(&mesh, session.exec())?;
             report

@@ -333,7 +333,9 @@ mod tests {
     }
 
     fn corners() -> Vec<DVec3> {
-        (0..8).map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * 2.0 - 1.0).collect()
+        (0..8)
+            .map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)) * 2.0 - 1.0)
+            .collect()
     }
 
     fn curve(points: &[[f64; 2]], closed: bool) -> Result<Curve, CutError> {
@@ -400,7 +402,8 @@ mod tests {
                     assert!(at.distance(x.at) < 1e-9 && distance_squared(at, s, e).sqrt() < 1e-9);
                 }
                 // Sides alternate from crossing to crossing.
-                let ts: Vec<f64> = std::iter::once(0.0).chain(found.iter().map(|x| x.t)).chain([1.0]).collect();
+                let ts: Vec<f64> =
+                    std::iter::once(0.0).chain(found.iter().map(|x| x.t)).chain([1.0]).collect();
                 for (n, w) in ts.windows(2).enumerate().filter(|(_, w)| w[1] - w[0] > 1e-9) {
                     let middle = a + (b - a) * (0.5 * (w[0] + w[1]));
                     assert_eq!(c.positive(middle), c.positive(a) == (n % 2 == 0));

@@ -309,8 +309,8 @@ impl Sheet {
         match self {
             Self::Plane { normal, given, length, .. } => {
                 let heights = solid.mesh.vertices.iter().map(|p| normal.dot(*p) * length);
-                let (from, to) = heights
-                    .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), h| (lo.min(h), hi.max(h)));
+                let (from, to) =
+                    heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), h| (lo.min(h), hi.max(h)));
                 CutError::PlaneMisses { from, to, offset: *given }
             }
             Self::Screen(curve) => {

@@ -223,7 +223,5 @@ fn old_origin(solid: &LappedSolid, part: &Part, k: usize) -> FaceOrigin {
 
 /// Texture coordinates of a part's vertices from those of its parent.
 fn inside(uvw: &[[f32; 3]; 4], weights: &Weights) -> [[f32; 3]; 4] {
-    weights.map(|w| {
-        std::array::from_fn(|n| (0..4).map(|k| w[k] * f64::from(uvw[k][n])).sum::<f64>() as f32)
-    })
+    weights.map(|w| std::array::from_fn(|n| (0..4).map(|k| w[k] * f64::from(uvw[k][n])).sum::<f64>() as f32))
 }

@@ -5,9 +5,9 @@ use rayon::prelude::*;
 use super::curve::{Crossing, Curve};
 use super::divide::SNAP;
 use super::subdivide::{Part, Split, Subdivision, edges};
-use crate::view::turn;
 use crate::exec::{Cancelled, Exec};
 use crate::mesh::TET_FACES;
+use crate::view::turn;
 
 /// Rounds of bisection at most. Each halves what is too long, so a few suffice for any drawn stroke.
 const ROUNDS: usize = 40;

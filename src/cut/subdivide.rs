@@ -116,7 +116,8 @@ impl Subdivision {
                 ends > 1 && marked(splits, part).1 > 0
             })
             .collect();
-        let batches: Vec<Batch> = hits.par_chunks(256).map(|c| this.slice(c, splits, &lengths, old)).collect();
+        let batches: Vec<Batch> =
+            hits.par_chunks(256).map(|c| this.slice(c, splits, &lengths, old)).collect();
         let mut bad: Vec<u32> = batches.iter().flat_map(|b| b.2.iter().copied()).collect();
         if !bad.is_empty() {
             self.vertices.truncate(old);

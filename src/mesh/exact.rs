@@ -201,9 +201,14 @@ mod tests {
                 if i % 2 == 0 { [DVec3::Z, u, v] } else { [DVec3::Z, v, u] }
             })
             .collect();
-        for (x, y) in [(0.0, 0.0), (0.25, 0.5), (0.5, 0.0), (0.0, 0.5), (0.0, -0.5), (0.25, -0.25), (0.1, 0.1)] {
+        for (x, y) in
+            [(0.0, 0.0), (0.25, 0.5), (0.5, 0.0), (0.0, 0.5), (0.0, -0.5), (0.25, -0.25), (0.1, 0.1)]
+        {
             let count = |z, kind| fan.iter().filter(|&&t| above(t, dvec3(x, y, z)) == kind).count();
-            assert_eq!((count(0.0, Above::Yes), count(1.0, Above::Touches), count(2.0, Above::Yes)), (1, 1, 0));
+            assert_eq!(
+                (count(0.0, Above::Yes), count(1.0, Above::Touches), count(2.0, Above::Yes)),
+                (1, 1, 0)
+            );
         }
         assert!(fan.iter().all(|&t| above(t, dvec3(2.0, 0.0, 0.0)) == Above::No));
     }

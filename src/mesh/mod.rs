@@ -16,13 +16,12 @@ mod tetrahedralise;
 mod tri;
 mod write;
 
+pub use clean::{CleanError, CleanReport, WELD_TOLERANCE, clean};
 pub use defects::{
     AtEdge, AtTriangle, AtVertex, Crossing, Defects, Found, Hole, MAX_CROSSINGS, PLACES, defects,
 };
 pub use locate::TetLocator;
 pub use mesher::{Mesher, MesherError, MesherLimits, tetgen_helper};
-pub use clean::{CleanError, CleanReport, WELD_TOLERANCE, clean};
-pub use defects::{AtEdge, AtTriangle, AtVertex, Crossing, Defects, Found, Hole, MAX_CROSSINGS, PLACES, defects};
 pub use read::{MAX_MESH_ELEMENTS, MESH_EXTENSIONS, MeshFault, MeshReadError, Place, read};
 pub(crate) use tet::index;
 pub use tet::{BoundaryFace, FaceOrigin, NONE, TET_FACES, TetMesh, TopologyError, gradients, signed_volume};

@@ -13,7 +13,10 @@ use crate::field::{
     ScaleError,
 };
 use crate::lap::{self, Fields, FillError, FillParams, LappedSolid, TextureType};
-use crate::mesh::{self, CleanError, MeshReadError, Mesher, TetError, TetFileError, TetMesh, TetParams};
+use crate::mesh::{
+    self, CleanError, CleanReport, MeshReadError, Mesher, TetError, TetFileError, TetMesh, TetParams,
+    TetReport,
+};
 use crate::project::Report;
 use crate::volume::{self, VolumeReadError};
 
@@ -190,8 +193,7 @@ pub fn tet_mesh(
     let mut report = Report::default();
     let mut start = Instant::now();
     if is_tet_file(path) {
-        let mesh =
-            mesh::read_tets(path)?;
+        let mesh = mesh::read_tets(path)?;
         report.took("read", start);
         report.count("tetrahedra", mesh.tets.len());
         report.count("vertices", mesh.vertices.len());
@@ -200,14 +202,60 @@ pub fn tet_mesh(
     let surface = mesh::read(path)?;
     let (surface, cleaned) =
         mesh::clean(&surface).map_err(|source| PartError::Clean { path: path.to_owned(), source })?;
-    report.add(&cleaned);
+    let mut cleaning = Report::default();
+    cleaning.add(&cleaned);
+    report.nest("cleaned", cleaning);
+    report.notes.extend(cleaning_note(&cleaned));
     report.took("read", start);
     start = Instant::now();
     let (mesh, made) = mesh::tetrahedralise(&surface, params, mesher, exec)
         .map_err(|source| PartError::Tetrahedralise { path: path.to_owned(), source })?;
-    report.add(&made);
+    let mut making = Report::default();
+    making.add(&made);
+    report.nest("tetrahedralised", making);
+    report.notes.extend(making_notes(&made));
+    report.count("tetrahedra", mesh.tets.len());
+    report.count("vertices", mesh.vertices.len());
     report.took("tetrahedralise", start);
     Ok((mesh, report))
+}
+
+/// What cleaning changed; nothing for a mesh that was clean.
+fn cleaning_note(cleaned: &CleanReport) -> Option<String> {
+    let changes: Vec<String> = [
+        (cleaned.welded, "vertices welded"),
+        (cleaned.degenerate, "triangles without area dropped"),
+        (cleaned.duplicate, "duplicate triangles dropped"),
+        (cleaned.back_to_back, "triangles back to back dropped"),
+        (cleaned.split, "triangles split"),
+        (cleaned.flipped, "triangles turned over"),
+    ]
+    .into_iter()
+    .filter(|(n, _)| *n > 0)
+    .map(|(n, what)| format!("{n} {what}"))
+    .collect();
+    (!changes.is_empty()).then(|| format!("the mesh was cleaned: {}", changes.join(", ")))
+}
+
+/// How the tetrahedra differ from what was asked for.
+fn making_notes(made: &TetReport) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some(s) = &made.simplified {
+        notes.push(format!(
+            "the surface was simplified from {} to {} triangles and strays by at most {:.1} % of its diagonal; \
+             --keep-surface (keep_surface = true) forbids that, more --tets need less of it",
+            s.before,
+            s.after,
+            s.deviation_of_diagonal * 100.0
+        ));
+    }
+    if !made.within_tolerance {
+        notes.push(format!(
+            "{} tetrahedra were asked for and {} made: the surface allows no nearer number",
+            made.asked, made.tetrahedra
+        ));
+    }
+    notes
 }
 
 /// Whether a file's name says that it holds tetrahedra.

@@ -28,6 +28,9 @@ pub struct Report {
     pub measures: Map<String, Value>,
     /// Wall-clock seconds of each step. The only part that differs between two equal runs.
     pub seconds: Map<String, Value>,
+    /// What a person should be told: what cleaning changed, what was not possible as asked.
+    #[serde(skip)]
+    pub notes: Vec<String>,
 }
 
 impl Report {
@@ -93,6 +96,7 @@ impl Report {
     /// become the objects `counts.name` and `measures.name`; its outputs and times are joined to ours.
     pub fn nest(&mut self, name: &str, part: Report) {
         self.outputs.extend(part.outputs);
+        self.notes.extend(part.notes);
         if !part.counts.is_empty() {
             self.counts.insert(name.to_owned(), Value::Object(part.counts));
         }

@@ -85,9 +85,10 @@ fn check(whole: &LappedSolid, model: &LappedSolid, pieces: &[LappedSolid], repor
     let mut faces: Vec<[[u64; 3]; 3]> = Vec::new();
     for piece in pieces {
         for f in piece.mesh.boundary.iter().filter(|f| f.origin == FaceOrigin::Cut(model.cuts)) {
-            let mut key = piece.mesh.face_vertices(f).map(|v| {
-                piece.mesh.vertices[v as usize].to_array().map(f64::to_bits)
-            });
+            let mut key = piece
+                .mesh
+                .face_vertices(f)
+                .map(|v| piece.mesh.vertices[v as usize].to_array().map(f64::to_bits));
             key.sort_unstable();
             faces.push(key);
         }
@@ -333,7 +334,10 @@ fn a_cut_that_cannot_be_made_says_why() {
         assert!(matches!(error(&bad), CutError::BadPlane { .. }));
     }
     assert!(matches!(error(&stroke([[0.0, 0.02], [1.0, 0.02]], false)), CutError::StrokeMisses { .. }));
-    assert!(matches!(error(&star(4, 0.01, 0.01)), CutError::StrokeMisses { .. }) || star(4, 0.01, 0.01) != plane([0.0; 3], 0.0));
+    assert!(
+        matches!(error(&star(4, 0.01, 0.01)), CutError::StrokeMisses { .. })
+            || star(4, 0.01, 0.01) != plane([0.0; 3], 0.0)
+    );
     assert!(matches!(error(&star(9, 2.0, 2.0)), CutError::StrokeSurrounds { .. }));
     let crossed = stroke([[0.2, 0.2], [0.8, 0.8], [0.8, 0.2], [0.2, 0.8]], false);
     assert!(matches!(error(&crossed), CutError::Stroke(StrokeError::CrossesItself { .. })));

@@ -80,7 +80,9 @@ pub enum CleanError {
         largest: f64,
     },
     /// Fewer triangles than a solid can have.
-    #[error("{left} of {triangles_in} triangles are left after cleaning ({report}), and a solid has at least four")]
+    #[error(
+        "{left} of {triangles_in} triangles are left after cleaning ({report}), and a solid has at least four"
+    )]
     TooFew {
         /// Triangles of the input.
         triangles_in: usize,
@@ -90,7 +92,9 @@ pub enum CleanError {
         report: Box<CleanReport>,
     },
     /// All vertices lie in one plane.
-    #[error("the mesh is flat: all its vertices lie in one plane, so that it encloses nothing; give it thickness")]
+    #[error(
+        "the mesh is flat: all its vertices lie in one plane, so that it encloses nothing; give it thickness"
+    )]
     Flat,
 }
 
@@ -147,8 +151,7 @@ pub fn clean(mesh: &TriMesh) -> Result<(TriMesh, CleanReport), CleanError> {
 
     let (same, welded) = weld::weld(&vertices, &used, tolerance);
     report.welded = welded;
-    let mut triangles: Vec<[u32; 3]> =
-        mesh.triangles.iter().map(|t| t.map(|v| same[v as usize])).collect();
+    let mut triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|t| t.map(|v| same[v as usize])).collect();
     faces::drop_degenerate(&vertices, &mut triangles, tolerance, &mut report);
     faces::drop_duplicates(&mut triangles, &mut report);
     let mut cleaned = compacted(&vertices, triangles);

@@ -40,7 +40,9 @@ pub(super) fn orient(mesh: &mut TriMesh, report: &mut CleanReport) {
         let cavity = shell.closed && depths.next().is_some_and(|d| d % 2 == 1);
         let turn = match outwards {
             Some(outwards) => outwards == cavity,
-            None => 2 * shell.triangles.iter().filter(|&&t| turned[t as usize]).count() > shell.triangles.len(),
+            None => {
+                2 * shell.triangles.iter().filter(|&&t| turned[t as usize]).count() > shell.triangles.len()
+            }
         };
         if turn {
             shell.triangles.iter().for_each(|&t| turned[t as usize] ^= true);

@@ -193,15 +193,19 @@ fn what_cannot_be_a_solid_is_refused() {
     assert!(matches!(one, CleanError::TooFew { triangles_in: 1, left: 1, .. }), "{one}");
     assert!(one.to_string().starts_with("1 of 1 triangles"), "{one}");
     assert_eq!(refused(&[[1.0; 3]; 3], &[[0, 1, 2]]), CleanError::Flat);
-    assert!(matches!(refused(&triangle, &[[0, 1, 7]]), CleanError::Index { triangle: 0, vertex: 7, count: 3 }));
+    assert!(matches!(
+        refused(&triangle, &[[0, 1, 7]]),
+        CleanError::Index { triangle: 0, vertex: 7, count: 3 }
+    ));
     assert_eq!(refused(&[[0.0; 3], [f64::NAN; 3], [1.0; 3]], &[[0, 1, 2]]), CleanError::NotFinite(1));
     for scale in [1e300, 1e40, 1e-40, 1e-310, f64::MAX] {
         let scaled = triangle.map(|p| p.map(|x| x * scale));
         assert!(matches!(refused(&scaled, &[[0, 1, 2]]), CleanError::Extent { .. }), "{scale}");
     }
     // A sheet of a 5×5 grid, tilted.
-    let points: Vec<[f64; 3]> =
-        (0..25).map(|i| [f64::from(i % 5), f64::from(i / 5), f64::from(i % 5) * 0.3 - f64::from(i / 5) * 0.7]).collect();
+    let points: Vec<[f64; 3]> = (0..25)
+        .map(|i| [f64::from(i % 5), f64::from(i / 5), f64::from(i % 5) * 0.3 - f64::from(i / 5) * 0.7])
+        .collect();
     let faces: Vec<[u32; 3]> =
         (0..20).filter(|i| i % 5 < 4).flat_map(|i| [[i, i + 1, i + 6], [i, i + 6, i + 5]]).collect();
     assert_eq!(refused(&points, &faces), CleanError::Flat);
