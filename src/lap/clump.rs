@@ -4,6 +4,11 @@
 //! coordinates of the shared face along with the tetrahedron's own frame, which follows curved fields
 //! where the paper's one affine map would leave them. Then the optimisation places all corners together;
 //! where the mask still reaches over the clump's edge, the clump grows on and is optimised again.
+//!
+//! Around a singular line of the frame field (a fruit's axis, its poles) a clump that grows both ways meets
+//! itself on the far side with other coordinates. So the clump has vertices of its own: a mesh vertex gets a
+//! second one where the prediction disagrees with the first. The clump is then a piece of a covering of the
+//! mesh, slit where the two ends meet, and the slit lies where the mask has long ended.
 
 use glam::{DQuat, DVec3};
 
@@ -63,11 +68,33 @@ const INVERTED: f64 = 1e-6;
 /// The least determinant over the product of the column lengths: less is sheared flat.
 const SHEAR: f64 = 0.15;
 
-/// Scratch memory of one worker: slots by tetrahedron and vertex.
+/// Scratch memory of one worker: a clump's members by tetrahedron, and the first of its vertices by mesh
+/// vertex.
 pub(super) struct Workspace {
     tet: Vec<u32>,
     vertex: Vec<u32>,
 }
+
+/// A tetrahedron of a clump and its four vertices in the clump.
+#[derive(Clone, Copy)]
+struct Member {
+    tet: u32,
+    corners: [u32; 4],
+}
+
+/// A vertex of a clump.
+#[derive(Clone, Copy)]
+struct Corner {
+    /// The mesh vertex.
+    vertex: u32,
+    /// Another clump vertex of the same mesh vertex, or [`NONE`].
+    twin: u32,
+    uvw: DVec3,
+}
+
+/// How far, in units of texture, a prediction may lie from a vertex that it takes for its own; an edge's
+/// length where that is more.
+const SAME: f64 = 0.5;
 
 /// The tetrahedron was judged and may not join.
 const REJECTED: u32 = NONE - 1;
@@ -109,11 +136,10 @@ struct Clump<'a> {
     mask: &'a AlphaMask,
     /// Least cosine between a tetrahedron's axes and the seed's.
     agreement: f64,
-    tets: Vec<u32>,
-    /// Slots that were judged and may not join.
+    members: Vec<Member>,
+    corners: Vec<Corner>,
+    /// Tetrahedra that were judged and may not join.
     rejected: Vec<u32>,
-    vertices: Vec<u32>,
-    uvw: Vec<DVec3>,
     work: &'a mut Workspace,
 }
 
@@ -136,66 +162,54 @@ impl<'a> Clump<'a> {
             table: &ground.tables[seed.mask as usize],
             mask: &ground.masks[seed.mask as usize],
             agreement: 1.0,
-            tets: Vec::new(),
+            members: Vec::new(),
+            corners: Vec::new(),
             rejected: Vec::new(),
-            vertices: Vec::new(),
-            uvw: Vec::new(),
             work,
         }
     }
 
     /// Empties the clump and wipes its traces from the workspace.
     fn leave(&mut self) {
-        for &t in self.tets.iter().chain(&self.rejected) {
+        for t in self.members.iter().map(|m| m.tet).chain(self.rejected.iter().copied()) {
             self.work.tet[t as usize] = NONE;
         }
-        for &v in &self.vertices {
-            self.work.vertex[v as usize] = NONE;
+        for c in &self.corners {
+            self.work.vertex[c.vertex as usize] = NONE;
         }
-        self.tets.clear();
+        self.members.clear();
+        self.corners.clear();
         self.rejected.clear();
-        self.vertices.clear();
-        self.uvw.clear();
     }
 
     /// Back to the seed's tetrahedron alone, mapped by its own frame.
     fn start(&mut self) {
         self.leave();
-        let seed = self.seed.tet as usize;
-        let frame = self.frames.frame(seed);
-        let corners = self.ground.mesh.corners(seed);
-        let point: DVec3 = (0..4).map(|k| corners[k] * self.at[k]).sum();
-        let centre = self.centre;
-        self.join(self.seed.tet, |corner| centre + frame.texture_from_world * (corner - point));
-    }
-
-    /// Adds a tetrahedron; `predict` gives the coordinates of a corner that is new.
-    fn join(&mut self, t: u32, predict: impl Fn(DVec3) -> DVec3) {
         let mesh = self.ground.mesh;
-        for v in mesh.tets[t as usize] {
-            if self.work.vertex[v as usize] == NONE {
-                let mut w = predict(mesh.vertices[v as usize]);
-                if let Some(depth) = self.ground.depth {
-                    w.y = depth[v as usize];
-                }
-                self.work.vertex[v as usize] = self.vertices.len() as u32;
-                self.vertices.push(v);
-                self.uvw.push(w);
-            }
+        let seed = self.seed.tet;
+        let frame = self.frames.frame(seed as usize);
+        let places = mesh.corners(seed as usize);
+        let point: DVec3 = (0..4).map(|k| places[k] * self.at[k]).sum();
+        let corners = std::array::from_fn(|k| {
+            let uvw = self.centre + frame.texture_from_world * (places[k] - point);
+            self.add_corner(mesh.tets[seed as usize][k], uvw)
+        });
+        self.add_member(Member { tet: seed, corners });
+    }
+
+    fn add_corner(&mut self, vertex: u32, mut uvw: DVec3) -> u32 {
+        if let Some(depth) = self.ground.depth {
+            uvw.y = depth[vertex as usize];
         }
-        self.work.tet[t as usize] = self.tets.len() as u32;
-        self.tets.push(t);
+        let slot = self.corners.len() as u32;
+        let twin = std::mem::replace(&mut self.work.vertex[vertex as usize], slot);
+        self.corners.push(Corner { vertex, twin, uvw });
+        slot
     }
 
-    /// Coordinates of vertex `v`, where it has some.
-    fn coordinates(&self, v: u32) -> Option<DVec3> {
-        let slot = self.work.vertex[v as usize];
-        (slot != NONE).then(|| self.uvw[slot as usize])
-    }
-
-    fn corners(&self, t: u32) -> [[f32; 3]; 4] {
-        self.ground.mesh.tets[t as usize]
-            .map(|v| self.uvw[self.work.vertex[v as usize] as usize].as_vec3().to_array())
+    fn add_member(&mut self, member: Member) {
+        self.work.tet[member.tet as usize] = self.members.len() as u32;
+        self.members.push(member);
     }
 
     fn reject(&mut self, t: u32) {
@@ -203,44 +217,73 @@ impl<'a> Clump<'a> {
         self.rejected.push(t);
     }
 
-    /// Lets tetrahedron `n` join across a face of the clump if its frame agrees with the seed's and the
-    /// mask, by prediction, reaches into it.
-    fn consider(&mut self, n: u32, needed: bool) -> bool {
-        if self.frames.agreement(n as usize) < self.agreement {
-            self.reject(n);
-            return false;
-        }
-        let mesh = self.ground.mesh;
-        let frame = self.frames.frame(n as usize);
-        let known =
-            mesh.tets[n as usize].map(|v| self.coordinates(v).map(|w| (mesh.vertices[v as usize], w)));
-        let count = known.iter().flatten().count() as f64;
-        let (p, w) = known.iter().flatten().fold((DVec3::ZERO, DVec3::ZERO), |(p, w), k| (p + k.0, w + k.1));
-        let (p, w) = (p / count, w / count);
-        let predict = |corner: DVec3| w + frame.texture_from_world * (corner - p);
-        if !needed {
-            let corners = mesh.tets[n as usize].map(|v| {
-                let mut w = self.coordinates(v).unwrap_or_else(|| predict(mesh.vertices[v as usize]));
-                if let Some(depth) = self.ground.depth {
-                    w.y = depth[v as usize];
-                }
-                w.as_vec3().to_array()
-            });
-            if self.table.over_points(&corners) == Presence::Absent {
-                return false;
-            }
-        }
-        self.join(n, predict);
-        true
+    fn uvw(&self, member: &Member) -> [[f32; 3]; 4] {
+        member.corners.map(|c| self.corners[c as usize].uvw.as_vec3().to_array())
     }
 
-    /// Grows breadth first from the tetrahedra from number `from` on.
+    /// Lets tetrahedron `n` join across face `k` of member `m` if its frame agrees with the seed's and the
+    /// mask, by prediction, reaches into it (or is known to: `needed`).
+    fn consider(&mut self, m: usize, k: usize, n: u32, needed: bool) {
+        if self.frames.agreement(n as usize) < self.agreement {
+            self.reject(n);
+            return;
+        }
+        let mesh = self.ground.mesh;
+        let member = self.members[m];
+        let tet = mesh.tets[n as usize];
+        // The shared face's vertices, and the one that is new.
+        let mut corners = [NONE; 4];
+        let mut apex = 0;
+        let (mut place, mut uvw) = (DVec3::ZERO, DVec3::ZERO);
+        for (i, &v) in tet.iter().enumerate() {
+            let shared = TET_FACES[k].iter().map(|&f| member.corners[f]);
+            match shared.into_iter().find(|&c| self.corners[c as usize].vertex == v) {
+                Some(c) => {
+                    corners[i] = c;
+                    place += mesh.vertices[v as usize] / 3.0;
+                    uvw += self.corners[c as usize].uvw / 3.0;
+                }
+                None => apex = i,
+            }
+        }
+        let v = tet[apex];
+        let step = self.frames.frame(n as usize).texture_from_world * (mesh.vertices[v as usize] - place);
+        let mut predicted = uvw + step;
+        if let Some(depth) = self.ground.depth {
+            predicted.y = depth[v as usize];
+        }
+        let mut best = (SAME.max(step.length()), NONE);
+        let mut slot = self.work.vertex[v as usize];
+        while slot != NONE {
+            let corner = &self.corners[slot as usize];
+            let distance = corner.uvw.distance(predicted);
+            if distance < best.0 {
+                best = (distance, slot);
+            }
+            slot = corner.twin;
+        }
+        let apex_uvw = if best.1 == NONE { predicted } else { self.corners[best.1 as usize].uvw };
+        if !needed {
+            let all: [[f32; 3]; 4] = std::array::from_fn(|i| {
+                let w = if i == apex { apex_uvw } else { self.corners[corners[i] as usize].uvw };
+                w.as_vec3().to_array()
+            });
+            if self.table.over_points(&all) == Presence::Absent {
+                return;
+            }
+        }
+        corners[apex] = if best.1 == NONE { self.add_corner(v, predicted) } else { best.1 };
+        self.add_member(Member { tet: n, corners });
+    }
+
+    /// Grows breadth first from member number `from` on.
     fn grow(&mut self, from: usize) {
         let mut next = from;
-        while next < self.tets.len() {
-            for n in self.ground.mesh.neighbours[self.tets[next] as usize] {
+        while next < self.members.len() {
+            for (k, n) in self.ground.mesh.neighbours[self.members[next].tet as usize].into_iter().enumerate()
+            {
                 if n != NONE && self.work.tet[n as usize] == NONE {
-                    self.consider(n, false);
+                    self.consider(next, k, n, false);
                 }
             }
             next += 1;
@@ -251,15 +294,16 @@ impl<'a> Clump<'a> {
     fn fit(&mut self) -> bool {
         self.grow(0);
         for round in 0..=self.ground.params.regrow {
-            if !self.optimise() || !self.drop_bad() {
+            let last = round == self.ground.params.regrow;
+            let Some(left) = self.optimise().then(|| self.prune(last)).flatten() else {
                 return false;
-            }
-            if round == self.ground.params.regrow {
+            };
+            if last {
                 break;
             }
-            let before = self.tets.len();
+            let before = self.members.len();
             self.add_missing();
-            if self.tets.len() == before {
+            if self.members.len() == before && left == 0 {
                 break;
             }
             self.grow(before);
@@ -270,121 +314,125 @@ impl<'a> Clump<'a> {
     fn optimise(&mut self) -> bool {
         let mesh = self.ground.mesh;
         let elements: Vec<Element> = self
-            .tets
+            .members
             .iter()
-            .map(|&t| {
-                let f = self.frames.frame(t as usize).world_from_texture.transpose();
+            .map(|m| {
+                let f = self.frames.frame(m.tet as usize).world_from_texture.transpose();
                 Element {
-                    vertices: mesh.tets[t as usize].map(|v| self.work.vertex[v as usize] as usize),
-                    volume: mesh.tet_volume(t as usize),
-                    h: mesh.gradients(t as usize).map(|g| f * g),
+                    vertices: m.corners.map(|c| c as usize),
+                    volume: mesh.tet_volume(m.tet as usize),
+                    h: mesh.gradients(m.tet as usize).map(|g| f * g),
                 }
             })
             .collect();
         let depth: Option<Vec<f64>> =
-            self.ground.depth.map(|d| self.vertices.iter().map(|&v| d[v as usize]).collect());
-        let Ok(mut uvw) = optimise(self.vertices.len(), &elements, depth.as_deref()) else {
+            self.ground.depth.map(|d| self.corners.iter().map(|c| d[c.vertex as usize]).collect());
+        let Ok(uvw) = optimise(self.corners.len(), &elements, depth.as_deref()) else {
             return false;
         };
-        let at: DVec3 = (0..4)
-            .map(|k| {
-                uvw[self.work.vertex[mesh.tets[self.seed.tet as usize][k] as usize] as usize] * self.at[k]
-            })
-            .sum();
+        let at: DVec3 = (0..4).map(|k| uvw[self.members[0].corners[k] as usize] * self.at[k]).sum();
         let mut shift = self.centre - at;
         if depth.is_some() {
             shift.y = 0.0;
         }
-        for w in &mut uvw {
-            *w += shift;
+        for (corner, w) in self.corners.iter_mut().zip(uvw) {
+            corner.uvw = w + shift;
         }
-        self.uvw = uvw;
         true
     }
 
     /// J·\[R S T\] of a member, column by column.
-    fn columns(&self, t: u32) -> [DVec3; 3] {
-        let mesh = self.ground.mesh;
-        let f = self.frames.frame(t as usize).world_from_texture.transpose();
-        let h = mesh.gradients(t as usize).map(|g| f * g);
-        let w = mesh.tets[t as usize].map(|v| self.uvw[self.work.vertex[v as usize] as usize]);
+    fn columns(&self, m: &Member) -> [DVec3; 3] {
+        let f = self.frames.frame(m.tet as usize).world_from_texture.transpose();
+        let h = self.ground.mesh.gradients(m.tet as usize).map(|g| f * g);
+        let w = m.corners.map(|c| self.corners[c as usize].uvw);
         std::array::from_fn(|c| (0..4).map(|k| w[k] * h[k][c]).sum())
     }
 
-    fn is_bad(&self, t: u32) -> bool {
+    fn is_bad(&self, m: &Member) -> bool {
         let limit = self.ground.params.max_stretch;
-        let columns = self.columns(t);
+        let columns = self.columns(m);
         let det = columns[0].dot(columns[1].cross(columns[2]));
         let lengths = columns.map(DVec3::length);
         let product: f64 = lengths.iter().product();
         det <= INVERTED.max(SHEAR * product) || lengths.iter().any(|&l| l > limit || l * limit < 1.0)
     }
 
-    /// Inverted and badly stretched tetrahedra leave, and with them what hangs on them alone.
-    fn drop_bad(&mut self) -> bool {
-        let bad: Vec<bool> = self.tets.iter().map(|&t| self.is_bad(t)).collect();
+    /// Inverted and badly stretched tetrahedra leave, and with them what hangs on them alone; but for the
+    /// `last` time also those that the mask does not reach, for they only pull at the others. Gives how many
+    /// left; `None` where the seed's own tetrahedron is bad.
+    fn prune(&mut self, last: bool) -> Option<usize> {
+        let bad: Vec<bool> = self.members.iter().map(|m| self.is_bad(m)).collect();
         if bad[0] {
-            return false;
+            return None;
         }
-        if !bad.contains(&true) {
-            return true;
+        let gone: Vec<bool> = (self.members.iter().zip(&bad))
+            .map(|(m, &bad)| bad || !last && self.table.over_points(&self.uvw(m)) == Presence::Absent)
+            .collect();
+        if !gone.contains(&true) {
+            return Some(0);
         }
-        let mut stays = vec![false; self.tets.len()];
+        let mut stays = vec![false; self.members.len()];
         stays[0] = true;
         let mut queue = vec![0usize];
-        while let Some(slot) = queue.pop() {
-            for n in self.ground.mesh.neighbours[self.tets[slot] as usize] {
-                if n == NONE {
-                    continue;
-                }
-                let other = self.work.tet[n as usize];
-                if other < REJECTED && !bad[other as usize] && !stays[other as usize] {
-                    stays[other as usize] = true;
-                    queue.push(other as usize);
+        while let Some(m) = queue.pop() {
+            for (k, n) in self.ground.mesh.neighbours[self.members[m].tet as usize].into_iter().enumerate() {
+                if let Some(other) = self.member(n)
+                    && !gone[other]
+                    && !stays[other]
+                    && self.joined(m, k, other)
+                {
+                    stays[other] = true;
+                    queue.push(other);
                 }
             }
         }
-        let tets = std::mem::take(&mut self.tets);
-        let vertices = std::mem::take(&mut self.vertices);
-        let uvw = std::mem::take(&mut self.uvw);
-        for &t in &tets {
-            self.work.tet[t as usize] = NONE;
+        let members = std::mem::take(&mut self.members);
+        let corners = std::mem::take(&mut self.corners);
+        for m in &members {
+            self.work.tet[m.tet as usize] = NONE;
         }
-        let old: Vec<u32> = vertices.iter().map(|&v| self.work.vertex[v as usize]).collect();
-        for &v in &vertices {
-            self.work.vertex[v as usize] = NONE;
+        for c in &corners {
+            self.work.vertex[c.vertex as usize] = NONE;
         }
-        debug_assert!(old.iter().enumerate().all(|(n, &o)| n as u32 == o));
-        // Positions by vertex, to look up while the members join again in their old order.
-        let mut place: Vec<(u32, DVec3)> = vertices.into_iter().zip(uvw).collect();
-        place.sort_unstable_by_key(|p| p.0);
-        for (slot, &t) in tets.iter().enumerate() {
-            if stays[slot] {
-                for v in self.ground.mesh.tets[t as usize] {
-                    if self.work.vertex[v as usize] == NONE {
-                        let n =
-                            place.binary_search_by_key(&v, |p| p.0).expect("a member's vertex has a place");
-                        self.work.vertex[v as usize] = self.vertices.len() as u32;
-                        self.vertices.push(v);
-                        self.uvw.push(place[n].1);
+        let mut renumbered = vec![NONE; corners.len()];
+        for (n, m) in members.iter().enumerate() {
+            if stays[n] {
+                let corners = m.corners.map(|c| {
+                    if renumbered[c as usize] == NONE {
+                        let corner = &corners[c as usize];
+                        renumbered[c as usize] = self.add_corner(corner.vertex, corner.uvw);
                     }
-                }
-                self.work.tet[t as usize] = self.tets.len() as u32;
-                self.tets.push(t);
-            } else if bad[slot] {
-                self.reject(t);
+                    renumbered[c as usize]
+                });
+                self.add_member(Member { tet: m.tet, corners });
+            } else if bad[n] {
+                self.reject(m.tet);
             }
         }
-        true
+        Some(stays.iter().filter(|&&s| !s).count())
     }
 
-    /// The faces that bound the clump inside the model: member, local face, the tetrahedron outside.
-    fn edge_faces(&self) -> Vec<(u32, usize, u32)> {
+    /// The member that tetrahedron `t` is, if it is one.
+    fn member(&self, t: u32) -> Option<usize> {
+        let slot = if t == NONE { NONE } else { self.work.tet[t as usize] };
+        (slot < REJECTED).then_some(slot as usize)
+    }
+
+    /// Whether face `k` of member `m` is no slit: the member across has the same clump vertices.
+    fn joined(&self, m: usize, k: usize, other: usize) -> bool {
+        TET_FACES[k].iter().all(|&f| self.members[other].corners.contains(&self.members[m].corners[f]))
+    }
+
+    /// The faces that bound the clump inside the model, slits included: member, local face, the tetrahedron
+    /// across.
+    fn edge_faces(&self) -> Vec<(usize, usize, u32)> {
         let mut faces = Vec::new();
-        for &t in &self.tets {
-            for (k, &n) in self.ground.mesh.neighbours[t as usize].iter().enumerate() {
-                if n != NONE && self.work.tet[n as usize] >= REJECTED {
-                    faces.push((t, k, n));
+        for (m, member) in self.members.iter().enumerate() {
+            for (k, &n) in self.ground.mesh.neighbours[member.tet as usize].iter().enumerate() {
+                let inside = self.member(n).is_some_and(|other| self.joined(m, k, other));
+                if n != NONE && !inside {
+                    faces.push((m, k, n));
                 }
             }
         }
@@ -393,15 +441,15 @@ impl<'a> Clump<'a> {
 
     /// Where the mask reaches over the clump's edge, the neighbour joins \[LST 5.2.5, end\].
     fn add_missing(&mut self) {
-        for (t, k, n) in self.edge_faces() {
+        for (m, k, n) in self.edge_faces() {
             if self.work.tet[n as usize] != NONE {
                 continue;
             }
-            let corners = self.corners(t);
+            let corners = self.uvw(&self.members[m]);
             let face = TET_FACES[k].map(|i| corners[i]);
             if self.table.over_points(&face) != Presence::Absent && mask_on_face(self.mask, &face, 0.0) > 0.0
             {
-                self.consider(n, true);
+                self.consider(m, k, n, true);
             }
         }
     }
@@ -415,8 +463,8 @@ impl<'a> Clump<'a> {
             alpha: Vec::new(),
             fit: Fit::default(),
         };
-        for &t in &self.tets {
-            let uvw = self.corners(t);
+        for m in &self.members {
+            let uvw = self.uvw(m);
             let alpha = match self.table.over_points(&uvw) {
                 Presence::Absent => continue,
                 Presence::Opaque => None,
@@ -424,8 +472,8 @@ impl<'a> Clump<'a> {
             };
             let present = alpha.as_ref().is_none_or(|a| a.iter().any(|&a| a > 0));
             if present {
-                let columns = self.columns(t);
-                let volume = mesh.tet_volume(t as usize);
+                let columns = self.columns(m);
+                let volume = mesh.tet_volume(m.tet as usize);
                 for (column, axis) in columns.iter().zip(DVec3::AXES) {
                     // A column that vanished points nowhere: as wrong as can be.
                     let cosine = column.try_normalize().map_or(-1.0, |c| c.dot(axis).clamp(-1.0, 1.0));
@@ -434,17 +482,27 @@ impl<'a> Clump<'a> {
                 let det = columns[0].dot(columns[1].cross(columns[2]));
                 pasted.fit.inverted += usize::from(det <= INVERTED);
             }
-            pasted.tets.push(t);
+            pasted.tets.push(m.tet);
             pasted.uvw.push(uvw);
             pasted.alpha.push(alpha);
         }
-        for (t, k, _) in self.edge_faces() {
-            let [a, b, c] = TET_FACES[k].map(|i| mesh.vertices[mesh.tets[t as usize][i] as usize]);
+        for (m, k, _n) in self.edge_faces() {
+            let member = &self.members[m];
+            let [a, b, c] =
+                TET_FACES[k].map(|i| mesh.vertices[self.corners[member.corners[i] as usize].vertex as usize]);
             let area = 0.5 * (b - a).cross(c - a).length();
-            let corners = self.corners(t);
+            let corners = self.uvw(member);
             let face = TET_FACES[k].map(|i| corners[i]);
             pasted.fit.edge += area;
             pasted.fit.cut_edge += area * mask_on_face(self.mask, &face, 16.0 / 255.0);
+            if std::env::var("DBG").is_ok() {
+                let w = self.work.tet[_n as usize];
+                let kind = if w == REJECTED { if self.frames.agreement(_n as usize) < self.agreement { "angle" } else { "bad" } } else if w == NONE { "none" } else { "slit" };
+                let d = face[0][1].max(face[1][1]).max(face[2][1]);
+                let r = (a+b+c)/3.0;
+                let cut = area * mask_on_face(self.mask, &face, 16.0 / 255.0);
+                eprintln!("EDGE {kind} {d:.2} {:.1} {:.1} {cut:.2}", r.truncate().length(), r.z.abs());
+            }
         }
         pasted
     }

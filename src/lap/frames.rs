@@ -32,6 +32,11 @@ pub(super) struct Frame {
 const LONGEST: f64 = 3.0;
 const SHORTEST: f64 = 1.0 / 4.0;
 
+/// The most that a frame may turn over one unit of texture, in radians.
+const TURN: f64 = 2.5;
+/// The least length, in medians, that is left where frames turn fast.
+const LEAST: f64 = 0.2;
+
 impl TetFrames {
     /// `direction` and `scale` are per vertex; `depth` too.
     pub(super) fn new(
@@ -103,7 +108,42 @@ impl TetFrames {
                 .collect(),
             None => Vec::new(),
         };
-        Self { kind, r, s, length, s_length }
+        let mut frames = Self { kind, r, s, length, s_length };
+        if kind.depth_varying() {
+            frames.shorten_where_turning(mesh);
+        }
+        frames
+    }
+
+    /// Where the frames turn fast (around a fruit's axis, at its poles) a patch of the scale that the depth
+    /// gives would wrap around what it should follow. There R and T are shortened, so that one unit of texture
+    /// turns by at most [`TURN`], down to [`LEAST`] of the median length.
+    fn shorten_where_turning(&mut self, mesh: &TetMesh) {
+        let frames = self.at_vertices(mesh);
+        let mut sorted = self.length.clone();
+        sorted.sort_by(f64::total_cmp);
+        let least = sorted[sorted.len() / 2] * LEAST;
+        let shortened: Vec<DVec3> = (0..mesh.tets.len())
+            .map(|t| {
+                let gradients = mesh.gradients(t);
+                let mut rate = 0.0f64;
+                let axes: &[usize] = if self.r.is_empty() { &[1] } else { &[0, 1] };
+                for &axis in axes {
+                    // The derivative of the unit axis; its norm is the fastest turn, in radians a length.
+                    let d = gradients.iter().zip(mesh.tets[t]).fold(DMat3::ZERO, |sum, (g, v)| {
+                        let unit = frames[v as usize][axis].normalize_or_zero();
+                        sum + DMat3::from_cols(unit * g.x, unit * g.y, unit * g.z)
+                    });
+                    rate = rate.max(largest_stretch(&d));
+                }
+                let length = self.length[t];
+                DVec3::new((TURN / rate.max(f64::MIN_POSITIVE)).min(length).max(least.min(length)), 0.0, 0.0)
+            })
+            .collect();
+        let smooth = vertex_means(mesh, &shortened);
+        for (length, tet) in self.length.iter_mut().zip(&mesh.tets) {
+            *length = tet.iter().map(|&v| smooth[v as usize].x).sum::<f64>() / 4.0;
+        }
     }
 
     /// The frames of a patch whose seed is tetrahedron `seed`; `turn` is a uniformly random rotation.
@@ -209,6 +249,20 @@ impl PatchFrames<'_> {
 /// along it.
 pub(super) fn perpendicular(v: DVec3, axis: DVec3) -> DVec3 {
     (v - axis * v.dot(axis)).try_normalize().unwrap_or_else(|| axis.any_orthonormal_vector())
+}
+
+/// The largest singular value of a matrix, by power iteration on its normal equations.
+fn largest_stretch(m: &DMat3) -> f64 {
+    let square = m.transpose() * *m;
+    let mut v = DVec3::new(0.6, 0.5, 0.62);
+    for _ in 0..24 {
+        let next = square * v;
+        match next.try_normalize() {
+            Some(n) => v = n,
+            None => return 0.0,
+        }
+    }
+    (m.mul_vec3(v)).length()
 }
 
 /// Volume-weighted means at the vertices of a vector per tetrahedron.
