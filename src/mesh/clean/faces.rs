@@ -185,7 +185,7 @@ fn walls(triangles: &[[u32; 3]], gone: &[bool], balanced: &[&Same]) -> Vec<bool>
         let own: Vec<u32> = edge.iter().map(of).filter(|&p| p != OTHER).collect();
         let others = edge.len() - own.len();
         if let ([part], 1..) = (own.as_slice(), others) {
-            votes[parts.root(*part) as usize] += if others % 2 == 0 { 1 } else { -1 };
+            votes[parts.root(*part) as usize] += if others.is_multiple_of(2) { 1 } else { -1 };
         }
     }
     (0..index(balanced.len())).map(|i| votes[parts.root(i) as usize] > 0).collect()

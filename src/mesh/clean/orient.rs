@@ -160,9 +160,31 @@ fn depths(mesh: &TriMesh, closed: &[&Shell]) -> Vec<usize> {
         crossed.sort_unstable();
         (crossed.chunk_by(|a, b| a == b).filter(|hits| hits.len() % 2 == 1).count(), on)
     };
+    // A shell around another has a box around the other's box; most shells have none around them.
+    let shell_boxes: Vec<[DVec3; 2]> = closed
+        .iter()
+        .map(|shell| {
+            let corners = shell.triangles.iter().flat_map(|&t| mesh.corners(t as usize));
+            corners.map(|p| [p, p]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]).unwrap_or_default()
+        })
+        .collect();
+    let shell_tree = BoxTree::new(&shell_boxes);
+    let boxed = |s: usize| {
+        let [low, high] = shell_boxes[s];
+        let mut found = false;
+        shell_tree.near(shell_boxes[s], |other| {
+            let [l, h] = shell_boxes[other];
+            found = other != s && l.cmple(low).all() && h.cmpge(high).all();
+            !found
+        });
+        found
+    };
     (0..closed.len())
         .into_par_iter()
         .map(|s| {
+            if !boxed(s) {
+                return 0;
+            }
             let triangles = &closed[s].triangles;
             // Where shells touch, another vertex may be free; shells that touch everywhere are defective.
             let step = triangles.len().div_ceil(32);

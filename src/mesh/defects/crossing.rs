@@ -4,9 +4,9 @@ use rayon::prelude::*;
 
 use super::{Crossing, Defects, MAX_CROSSINGS, PLACES};
 use crate::exec::{Cancelled, Exec};
-use crate::mesh::TriMesh;
 use crate::mesh::boxes::{BoxTree, box_of, boxes_touch};
 use crate::mesh::exact::triangles_cross;
+use crate::mesh::{TriMesh, index};
 
 /// Triangles between two looks at the count and at the cancel token.
 const GROUP: usize = 1024;
@@ -39,7 +39,7 @@ pub(super) fn look(
             found.crossings.first.extend(first.into_iter().take(left).map(|j| {
                 let (a, b) = (boxes[begin + i], boxes[j]);
                 Crossing {
-                    triangles: [triangles[begin + i] as u32, triangles[j] as u32],
+                    triangles: [triangles[begin + i], triangles[j]].map(index),
                     at: (a[0].max(b[0]) + a[1].min(b[1])) / 2.0,
                 }
             }));

@@ -7,8 +7,8 @@ mod topology;
 use glam::DVec3;
 use serde::Serialize;
 
-use super::TriMesh;
 use super::exact::collinear;
+use super::{TriMesh, index};
 use crate::exec::{Cancelled, Exec};
 
 /// How many places are given for each kind of defect.
@@ -151,12 +151,12 @@ pub fn defects(mesh: &TriMesh, exec: &Exec) -> Result<Defects, Cancelled> {
     for (t, corners) in mesh.triangles.iter().enumerate() {
         let at = |v: u32| mesh.vertices.get(v as usize).copied().filter(|p| p.is_finite());
         let [Some(a), Some(b), Some(c)] = corners.map(at) else {
-            found.broken.add(|| AtTriangle { triangle: t as u32, at: DVec3::ZERO });
+            found.broken.add(|| AtTriangle { triangle: index(t), at: DVec3::ZERO });
             continue;
         };
         let repeated = corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0];
         if repeated || collinear([a, b, c]) {
-            found.degenerate.add(|| AtTriangle { triangle: t as u32, at: (a + b + c) / 3.0 });
+            found.degenerate.add(|| AtTriangle { triangle: index(t), at: (a + b + c) / 3.0 });
         } else {
             solid.push(t);
         }

@@ -143,10 +143,10 @@ fn crossings_are_those_of_brute_force() {
 fn a_mesh_that_crosses_itself_everywhere_ends() {
     let mut rng = ChaCha8Rng::seed_from_u64(12);
     let mut x = || f64::from(rng.next_u32());
-    let vertices: Vec<DVec3> = (0..6000).map(|_| dvec3(x(), x(), x())).collect();
-    let triangles = (0..2000).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+    let vertices: Vec<DVec3> = (0..1500).map(|_| dvec3(x(), x(), x())).collect();
+    let triangles = (0..500).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
     let found = look(&TriMesh { vertices, triangles });
-    assert!(found.crossings.count > 10_000, "{}", found.crossings.count);
+    assert!(found.crossings.count > 1000, "{}", found.crossings.count);
 }
 
 #[test]

@@ -6,12 +6,14 @@ use std::io;
 use super::{MAX_MESH_ELEMENTS, MESH_EXTENSIONS};
 
 /// Where in a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Place {
     /// This line, the first being 1.
     Line(usize),
     /// This byte, the first being 0.
     Byte(usize),
+    /// This part, by its name.
+    Part(String),
     /// No single place.
     Whole,
 }
@@ -21,6 +23,7 @@ impl fmt::Display for Place {
         match self {
             Self::Line(n) => write!(f, "line {n}: "),
             Self::Byte(n) => write!(f, "byte {n}: "),
+            Self::Part(name) => write!(f, "{name}: "),
             Self::Whole => Ok(()),
         }
     }
@@ -66,10 +69,12 @@ pub enum MeshFault {
     },
     /// A face names a vertex that is not there.
     #[error(
-        "face {face} (the first is {first}) names vertex {index}, but the {count} vertices are numbered \
+        "{place}face {face} (the first is {first}) names vertex {index}, but the {count} vertices are numbered \
          {first} to {}", *first as i64 + *count as i64 - 1
     )]
     Index {
+        /// Where.
+        place: Place,
         /// Its number, counted as the format does.
         face: usize,
         /// The index as the file has it.

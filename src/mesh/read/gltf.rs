@@ -3,6 +3,7 @@
 mod accessors;
 mod buffers;
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use ::gltf::mesh::Mode;
@@ -45,8 +46,9 @@ pub(super) fn read(bytes: &[u8], folder: &Path) -> Result<TriMesh, MeshFault> {
         let scene_from_node = scene_from_parent * parent_from_node(&node);
         if let Some(from) = node.mesh() {
             for primitive in from.primitives() {
-                let name = format!("primitive {} of mesh {}", primitive.index(), from.index());
-                join(&mut mesh, &primitive, scene_from_node, &buffers, &name)?;
+                let place =
+                    || Place::Part(format!("primitive {} of mesh {}", primitive.index(), from.index()));
+                join(&mut mesh, &primitive, scene_from_node, &buffers, &place)?;
             }
         }
         let children: Vec<Node<'_>> = node.children().collect();
@@ -99,20 +101,10 @@ fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), MeshFault> {
 
 /// The JSON, without the parts that are not read: a fault there must not keep a good mesh out.
 fn document(text: &[u8]) -> Result<Document, MeshFault> {
-    let invalid = |e: serde_json::Error| {
-        let place = if e.line() > 0 { Place::Line(e.line()) } else { Place::Whole };
-        MeshFault::malformed(place, format!("the glTF JSON: {e}"))
-    };
+    // The message has line and column.
+    let invalid = |e: serde_json::Error| MeshFault::malformed(Place::Whole, format!("the glTF JSON: {e}"));
     let mut root: Value = serde_json::from_slice(text).map_err(invalid)?;
-    let required = root.get("extensionsRequired").and_then(Value::as_array);
-    for extension in required.into_iter().flatten().filter_map(Value::as_str) {
-        if !HARMLESS.iter().any(|known| extension.starts_with(known)) {
-            return Err(MeshFault::Unsupported {
-                what: format!("the required glTF extension {extension:?}"),
-                help: "export the mesh without it (without compression)",
-            });
-        }
-    }
+    refuse_extensions(&root)?;
     if let Some(root) = root.as_object_mut() {
         const UNREAD: [&str; 10] = [
             "animations",
@@ -188,6 +180,27 @@ fn document(text: &[u8]) -> Result<Document, MeshFault> {
     })
 }
 
+/// Refuses what would move or hide vertices, by name.
+fn refuse_extensions(root: &Value) -> Result<(), MeshFault> {
+    let named = |key: &str| {
+        let names = root.get(key).and_then(Value::as_array);
+        names.into_iter().flatten().filter_map(Value::as_str)
+    };
+    let unknown = named("extensionsRequired").find(|e| !HARMLESS.iter().any(|known| e.starts_with(known)));
+    // Compressed vertices can stand in for an accessor's data without being declared as required.
+    let accessors = root.get("accessors").and_then(Value::as_array);
+    let without_data =
+        accessors.into_iter().flatten().any(|a| a.get("bufferView").is_none() && a.get("sparse").is_none());
+    let compressed = named("extensionsUsed").find(|e| without_data && e.contains("compression"));
+    match unknown.or(compressed) {
+        None => Ok(()),
+        Some(extension) => Err(MeshFault::Unsupported {
+            what: format!("the glTF extension {extension:?}"),
+            help: "export the mesh without it (without compression)",
+        }),
+    }
+}
+
 fn roots(document: &Document) -> Result<Vec<Node<'_>>, MeshFault> {
     if let Some(scene) = document.default_scene().or_else(|| document.scenes().next()) {
         return Ok(scene.nodes().collect());
@@ -220,8 +233,8 @@ fn join(
     mesh: &mut TriMesh,
     primitive: &::gltf::Primitive<'_>,
     scene_from_node: DMat4,
-    buffers: &[Vec<u8>],
-    name: &str,
+    buffers: &[Cow<'_, [u8]>],
+    place: &dyn Fn() -> Place,
 ) -> Result<(), MeshFault> {
     let mode = primitive.mode();
     if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
@@ -239,10 +252,7 @@ fn join(
         let p = scene_from_node.transform_point3(*p);
         if !p.is_finite() {
             let vertex = mesh.vertices.len() - first as usize;
-            let what = format!(
-                "{name}: vertex {vertex} (the first is 0) has a coordinate that is not a finite number"
-            );
-            return Err(MeshFault::malformed(Place::Whole, what));
+            return Err(MeshFault::NotFinite { place: place(), vertex, first: 0 });
         }
         mesh.vertices.push(p);
     }
@@ -252,12 +262,8 @@ fn join(
     };
     if let Some(at) = corners.iter().position(|&c| c as usize >= points.len()) {
         let face = if mode == Mode::Triangles { at / 3 } else { at.saturating_sub(2) };
-        let what = format!(
-            "{name}: face {face} (the first is 0) names vertex {}, but there are {}",
-            corners[at],
-            points.len()
-        );
-        return Err(MeshFault::malformed(Place::Whole, what));
+        let (index, count) = (i64::from(corners[at]), points.len());
+        return Err(MeshFault::Index { place: place(), face, index, first: 0, count });
     }
     // A mirror turns every triangle over.
     let mirrored = scene_from_node.determinant() < 0.0;

@@ -22,6 +22,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, MeshFault> {
             line = lines.next().unwrap_or_default().trim_ascii();
         }
         parts.extend(words(line));
+        if let Some(comment) = parts.iter().position(|word| word.starts_with(b"#")) {
+            parts.truncate(comment);
+        }
         match parts.split_first() {
             Some((&b"v", numbers)) => vertex(numbers, &lines, &mut polygons)?,
             Some((&b"f", corners)) => face(corners, &lines, &mut polygons)?,
@@ -83,6 +86,7 @@ mod tests {
             "f 1//-7 2//1 3//1 4//1",
             "f -4/-9/1 -3 -2 -1",
             "f 1 2 \\\n 3 4",
+            "f 1 2 3 4 # all",
         ];
         for f in faces {
             let mesh =
@@ -111,7 +115,7 @@ mod tests {
     fn faults_are_placed() {
         let fault = |text: String| read(text.as_bytes()).unwrap_err();
         let f = fault(format!("{SQUARE}f 1 2 3\nf 1 2 9"));
-        assert!(matches!(f, MeshFault::Index { face: 2, index: 9, first: 1, count: 4 }), "{f}");
+        assert!(matches!(f, MeshFault::Index { face: 2, index: 9, first: 1, count: 4, .. }), "{f}");
         let f = fault(format!("{SQUARE}f 1 2 -9"));
         assert!(matches!(f, MeshFault::Index { face: 1, index: -9, .. }), "{f}");
         let f = fault(format!("{SQUARE}f 1 2 0"));

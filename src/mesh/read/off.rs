@@ -133,7 +133,7 @@ mod tests {
         let f = fault("OFF\n3 1 0\n0 0 0\n0 0 inf\n0 0 0\n3 0 1 2\n");
         assert!(matches!(f, MeshFault::NotFinite { place: Place::Line(4), vertex: 1, .. }), "{f}");
         let f = fault("OFF\n3 1 0\n0 0 0\n0 0 1\n0 1 0\n3 0 1 3\n");
-        assert!(matches!(f, MeshFault::Index { face: 0, index: 3, first: 0, count: 3 }), "{f}");
+        assert!(matches!(f, MeshFault::Index { face: 0, index: 3, first: 0, count: 3, .. }), "{f}");
         let f = fault("OFF\n3 1 0\n0 0 0\n0 0 1\n0 1 0\n4000000000 0 1 2\n");
         assert!(matches!(f, MeshFault::Malformed { place: Place::Line(6), .. }), "{f}");
     }

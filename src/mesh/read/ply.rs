@@ -470,7 +470,7 @@ pub(super) mod tests {
         let f = fault("1 9 0 0.1", "1 9 0 nan");
         assert!(matches!(f, MeshFault::NotFinite { place: Place::Line(19), vertex: 1, first: 0 }), "{f}");
         let f = fault("0 3 0 2 3", "0 3 0 2 4");
-        assert!(matches!(f, MeshFault::Index { face: 1, index: 4, first: 0, count: 4 }), "{f}");
+        assert!(matches!(f, MeshFault::Index { face: 1, index: 4, first: 0, count: 4, .. }), "{f}");
         let f = fault("0 3 0 2 3", "0 3 0 2 -1");
         assert!(matches!(f, MeshFault::Index { face: 1, index: -1, .. }), "{f}");
         let f = fault("0 3 0 2 3", "0 3 0 2.5 3");

@@ -8,7 +8,7 @@ use crate::mesh::{TriMesh, index};
 
 /// How many corner-in-triangle tests one file's concave polygons may cost; after that, fans. It bounds the
 /// time that a hostile file can take (seconds) and is far from what any model needs.
-const EAR_TESTS: u64 = 1 << 30;
+const EAR_TESTS: u64 = 1 << 28;
 
 /// Vertices and polygons, being read.
 pub(super) struct Polygons {
@@ -88,7 +88,13 @@ impl Polygons {
     }
 
     fn bad_index(&self, face: usize, index: i64) -> MeshFault {
-        MeshFault::Index { face: face + self.first, index, first: self.first, count: self.vertices.len() }
+        MeshFault::Index {
+            place: Place::Whole,
+            face: face + self.first,
+            index,
+            first: self.first,
+            count: self.vertices.len(),
+        }
     }
 }
 
@@ -255,7 +261,7 @@ mod tests {
         }
         polygons.face().unwrap();
         let fault = polygons.finish().unwrap_err();
-        assert!(matches!(fault, MeshFault::Index { face: 2, index: 4, first: 1, count: 3 }), "{fault}");
+        assert!(matches!(fault, MeshFault::Index { face: 2, index: 4, first: 1, count: 3, .. }), "{fault}");
         assert!(fault.to_string().contains("numbered 1 to 3"), "{fault}");
     }
 }

@@ -57,7 +57,7 @@ fn read_binary(bytes: &[u8]) -> Result<TriMesh, MeshFault> {
                 f64::from(f32::from_le_bytes([corner[i], corner[i + 1], corner[i + 2], corner[i + 3]]))
             };
             let next = polygons.vertices() as i64;
-            polygons.vertex(DVec3::new(x(0), x(4), x(8)), place)?;
+            polygons.vertex(DVec3::new(x(0), x(4), x(8)), place.clone())?;
             polygons.corner(next)?;
         }
         polygons.face()?;

@@ -1,5 +1,7 @@
 //! Typed numbers in a glTF file's buffers. Every range is checked here first: the crate's iterators trust it.
 
+use std::borrow::Cow;
+
 use ::gltf::accessor::{DataType, Dimensions, Item, Iter};
 use ::gltf::{Accessor, Buffer, buffer};
 use glam::DVec3;
@@ -7,7 +9,7 @@ use glam::DVec3;
 use super::{MAX_MESH_ELEMENTS, MeshFault, Place};
 
 /// Positions: three `f32`, or (`KHR_mesh_quantization`) three integers.
-pub(super) fn positions(accessor: &Accessor<'_>, buffers: &[Vec<u8>]) -> Result<Vec<DVec3>, MeshFault> {
+pub(super) fn positions(accessor: &Accessor<'_>, buffers: &[Cow<'_, [u8]>]) -> Result<Vec<DVec3>, MeshFault> {
     let fault = Fault(accessor.index());
     if accessor.dimensions() != Dimensions::Vec3 {
         return Err(fault.of("positions must be of type VEC3"));
@@ -34,7 +36,7 @@ pub(super) fn positions(accessor: &Accessor<'_>, buffers: &[Vec<u8>]) -> Result<
 }
 
 /// Vertex indices: unsigned integers.
-pub(super) fn indices(accessor: &Accessor<'_>, buffers: &[Vec<u8>]) -> Result<Vec<u32>, MeshFault> {
+pub(super) fn indices(accessor: &Accessor<'_>, buffers: &[Cow<'_, [u8]>]) -> Result<Vec<u32>, MeshFault> {
     let fault = Fault(accessor.index());
     if accessor.dimensions() != Dimensions::Scalar {
         return Err(fault.of("indices must be of type SCALAR"));
@@ -59,7 +61,7 @@ impl Fault {
 /// All items of an accessor; `T` must be of its type and dimensions.
 fn all<T: Item, U>(
     accessor: &Accessor<'_>,
-    buffers: &[Vec<u8>],
+    buffers: &[Cow<'_, [u8]>],
     map: impl Fn(T) -> U,
 ) -> Result<Vec<U>, MeshFault> {
     let fault = Fault(accessor.index());
@@ -84,7 +86,7 @@ fn all<T: Item, U>(
             .and_then(|()| check(&values.view(), values.offset(), changed, size, buffers))
             .map_err(|e| fault.of(&format!("its sparse part: {e}")))?;
     }
-    let items = Iter::<T>::new(accessor.clone(), |b: Buffer<'_>| buffers.get(b.index()).map(Vec::as_slice));
+    let items = Iter::<T>::new(accessor.clone(), |b: Buffer<'_>| buffers.get(b.index()).map(|b| &**b));
     let items: Vec<U> = items.ok_or_else(|| fault.of("it has no data"))?.take(count).map(map).collect();
     if items.len() == count { Ok(items) } else { Err(fault.of("its data end early")) }
 }
@@ -95,7 +97,7 @@ fn check(
     offset: usize,
     count: usize,
     size: usize,
-    buffers: &[Vec<u8>],
+    buffers: &[Cow<'_, [u8]>],
 ) -> Result<(), String> {
     let stride = view.stride().unwrap_or(size);
     if stride < size {
@@ -110,7 +112,7 @@ fn check(
         ));
     }
     let buffer = view.buffer().index();
-    let length = buffers.get(buffer).map_or(0, Vec::len);
+    let length = buffers.get(buffer).map_or(0, |b| b.len());
     if view.offset().checked_add(view.length()).is_none_or(|end| end > length) {
         return Err(format!(
             "buffer view {} reaches past the {length} bytes of buffer {buffer}",

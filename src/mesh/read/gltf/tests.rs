@@ -1,3 +1,5 @@
+use std::f64::consts::FRAC_1_SQRT_2;
+
 use serde_json::json;
 
 use super::*;
@@ -17,7 +19,7 @@ pub(in super::super) fn scene() -> Value {
         "scenes": [{"nodes": [0]}],
         "nodes": [
             {"translation": [1, 2, 3], "children": [1]},
-            {"scale": [2, 2, 2], "rotation": [0, 0, 0.70710678, 0.70710678], "mesh": 0, "skin": null}
+            {"scale": [2, 2, 2], "rotation": [0, 0, FRAC_1_SQRT_2, FRAC_1_SQRT_2], "mesh": 0, "skin": null}
         ],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 1}, "indices": 0, "material": 77}]}],
         "accessors": [
@@ -153,14 +155,19 @@ fn ranges_are_checked() {
     let mut scene = scene();
     let mut blob = bytes_of_buffer();
     blob[4] = 9;
-    let fault = read(&glb(&scene, &blob), Path::new("")).unwrap_err().to_string();
-    assert!(fault.contains("face 0") && fault.contains("vertex 9"), "{fault}");
+    let fault = read(&glb(&scene, &blob), Path::new("")).unwrap_err();
+    assert!(matches!(fault, MeshFault::Index { face: 0, index: 9, count: 4, .. }), "{fault}");
+    assert!(fault.to_string().starts_with("primitive 0 of mesh 0: face 0"), "{fault}");
     let mut blob = bytes_of_buffer();
     blob[24..28].copy_from_slice(&f32::NAN.to_le_bytes());
-    let fault = read(&glb(&scene, &blob), Path::new("")).unwrap_err().to_string();
-    assert!(fault.contains("vertex 1") && fault.contains("finite"), "{fault}");
+    let fault = read(&glb(&scene, &blob), Path::new("")).unwrap_err();
+    assert!(matches!(fault, MeshFault::NotFinite { vertex: 1, first: 0, .. }), "{fault}");
     scene["nodes"][1]["children"] = json!([0]);
     assert!(message(&scene).contains("twice"));
     scene["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
+    assert!(message(&scene).contains("KHR_draco_mesh_compression"));
+    let mut scene = self::scene();
+    scene["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
+    scene["accessors"][1].as_object_mut().unwrap().remove("bufferView");
     assert!(message(&scene).contains("KHR_draco_mesh_compression"));
 }
