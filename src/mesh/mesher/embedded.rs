@@ -54,7 +54,6 @@ pub(super) fn mesh(_: &Job) -> Result<Answer, MesherError> {
 /// Meshes a job in this process, one at a time.
 #[cfg(feature = "tetgen")]
 pub(super) fn mesh(job: &Job) -> Result<Answer, MesherError> {
-    use glam::DVec3;
     use std::sync::{Mutex, PoisonError};
 
     /// TetGen's predicates keep their state in static variables.
@@ -66,8 +65,9 @@ pub(super) fn mesh(job: &Job) -> Result<Answer, MesherError> {
         return Err(gave_up("the surface is too large for it"));
     }
     let _alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
-    let mut tetgen = tritet::Tetgen::new(job.points.len(), Some(vec![3; job.triangles.len()]), None, None)
-        .map_err(gave_up)?;
+    let surface = (!job.triangles.is_empty()).then(|| vec![3; job.triangles.len()]);
+    let delaunay = surface.is_none();
+    let mut tetgen = tritet::Tetgen::new(job.points.len(), surface, None, None).map_err(gave_up)?;
     for (i, p) in job.points.iter().enumerate() {
         tetgen.set_point(i, 0, p.x, p.y, p.z).map_err(gave_up)?;
     }
@@ -78,8 +78,20 @@ pub(super) fn mesh(job: &Job) -> Result<Answer, MesherError> {
         // Unlike markers also keep TetGen from joining flat neighbours into one facet.
         tetgen.set_facet_marker(i, i as i32 + 1).map_err(gave_up)?;
     }
+    if delaunay {
+        tetgen.generate_delaunay(false).map_err(gave_up)?;
+        return answer(&tetgen);
+    }
     // What the crate calls the minimum angle is TetGen's `q`, the ratio of radius to edge.
     tetgen.generate_mesh(false, false, job.max_volume, Some(job.ratio)).map_err(gave_up)?;
+    answer(&tetgen)
+}
+
+/// What TetGen made.
+#[cfg(feature = "tetgen")]
+fn answer(tetgen: &tritet::Tetgen) -> Result<Answer, MesherError> {
+    use glam::DVec3;
+
     if tetgen.out_ncell() == 0 {
         return Err(MesherError::Nothing { said: String::new() });
     }
@@ -114,6 +126,17 @@ mod tests {
         assert!((volume - 1e6).abs() < 1e-4);
         assert!(answer.tets.len() > 500);
         assert!(!answer.faces.is_empty());
+    }
+
+    #[test]
+    fn points_are_connected() {
+        let mut points = cube().points;
+        points.push(glam::DVec3::new(1.0, 2.0, 3.0));
+        let job = Job::delaunay(points);
+        let answer = mesh(&job).unwrap();
+        answer.check(&job).unwrap();
+        assert_eq!(answer.points, job.points);
+        assert_eq!(answer.tets.len(), 12, "a pyramid on each triangle of the cube");
     }
 
     #[test]

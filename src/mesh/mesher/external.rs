@@ -19,18 +19,24 @@ pub(super) fn run(
     exec: &Exec,
 ) -> Result<Answer, MesherError> {
     let folder = child::folder()?;
-    fs::write(folder.path().join("job.smesh"), smesh(job))?;
-    // TetGen reads no exponents in its switches.
-    let mut switches = format!("-pzQq{:.6}", job.ratio);
-    if let Some(volume) = job.max_volume {
-        let _ = write!(switches, "a{volume:.12}");
-    }
-    if job.keep_surface {
-        switches.push('Y');
-    }
+    let (input, switches) = if job.triangles.is_empty() {
+        fs::write(folder.path().join("job.node"), tetgen::write_nodes(&job.points))?;
+        ("job.node", "-zQ".to_owned())
+    } else {
+        fs::write(folder.path().join("job.smesh"), smesh(job))?;
+        // TetGen reads no exponents in its switches.
+        let mut switches = format!("-pzQq{:.6}", job.ratio);
+        if let Some(volume) = job.max_volume {
+            let _ = write!(switches, "a{volume:.12}");
+        }
+        if job.keep_surface {
+            switches.push('Y');
+        }
+        ("job.smesh", switches)
+    };
     let program = &absolute(program);
     let mut command = limited(program, limits);
-    command.arg(switches).arg("job.smesh");
+    command.arg(switches).arg(input);
     let said = child::run(command, program, folder.path(), limits, exec)?;
 
     let read = |name: &str| {
@@ -44,8 +50,8 @@ pub(super) fn run(
     let nodes = tetgen::nodes(&nodes).map_err(rubbish)?;
     let tets = tetgen::cells(&cells, &nodes).map_err(rubbish)?;
     let faces = match read("job.1.face")? {
-        Some(bytes) => tetgen::faces(&bytes, &nodes).map_err(rubbish)?,
-        None => Vec::new(),
+        Some(bytes) if !job.triangles.is_empty() => tetgen::faces(&bytes, &nodes).map_err(rubbish)?,
+        _ => Vec::new(),
     };
     // Markers number the triangles from 1.
     let faces =

@@ -2,13 +2,14 @@
 
 use glam::DVec3;
 
-/// One run of TetGen. Coordinates lie in a box about 100 wide around the origin: TetGen's switches have a
+/// One run of TetGen: fill a surface, or, where it has no triangles, connect the points as Delaunay
+/// tetrahedra, which knows no hard cases. Coordinates lie in a box about 100 wide around the origin: TetGen's switches have a
 /// fixed number of decimals.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Job {
-    /// Vertices of the surface; each is used.
+    /// Vertices of the surface, each of which is used; or any points.
     pub(crate) points: Vec<DVec3>,
-    /// Its triangles.
+    /// Triangles of the surface.
     pub(crate) triangles: Vec<[u32; 3]>,
     /// No tetrahedron is larger.
     pub(crate) max_volume: Option<f64>,
@@ -27,6 +28,13 @@ pub(crate) struct Answer {
     pub(crate) tets: Vec<[u32; 4]>,
     /// Faces that lie on the surface: their corners, and the job's triangle that each lies on.
     pub(crate) faces: Vec<([u32; 3], u32)>,
+}
+
+impl Job {
+    /// Asks for the Delaunay tetrahedra of some points.
+    pub(crate) fn delaunay(points: Vec<DVec3>) -> Self {
+        Self { points, triangles: Vec::new(), max_volume: None, ratio: 0.0, keep_surface: false }
+    }
 }
 
 impl Answer {

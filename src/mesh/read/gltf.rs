@@ -252,7 +252,10 @@ fn join(
         let p = scene_from_node.transform_point3(*p);
         if !p.is_finite() {
             let vertex = mesh.vertices.len() - first as usize;
-            return Err(MeshFault::NotFinite { place: place(), vertex, first: 0 });
+            let what = format!(
+                "{name}: vertex {vertex} (the first is 0) has a coordinate that is not a finite number"
+            );
+            return Err(MeshFault::malformed(Place::Whole, what));
         }
         mesh.vertices.push(p);
     }

@@ -45,13 +45,12 @@ impl Cells {
         let rubbish = |what: String| CarveError::Rubbish(what);
         let Answer { points, mut tets, faces } = answer;
         let at = |v: u32| points[v as usize];
-        for (t, tet) in tets.iter_mut().enumerate() {
+        let mut flat = vec![false; tets.len()];
+        for (tet, flat) in tets.iter_mut().zip(&mut flat) {
             let c = tet.map(|v| Coord3D { x: at(v).x, y: at(v).y, z: at(v).z });
             // Exact; positive where our volume is negative.
             let side = orient3d(c[0], c[1], c[2], c[3]);
-            if side == 0.0 {
-                return Err(rubbish(format!("tetrahedron {t} is flat")));
-            }
+            *flat = side == 0.0;
             if side > 0.0 {
                 tet.swap(2, 3);
             }
@@ -92,6 +91,9 @@ impl Cells {
             if outer.len() % 4096 == 0 {
                 exec.check()?;
             }
+            if flat[t] {
+                return Err(rubbish(format!("tetrahedron {t} is flat")));
+            }
             let mut triangles = [NONE; 4];
             for (k, triangle) in triangles.iter_mut().enumerate() {
                 let other = beside[t][k];
@@ -108,6 +110,46 @@ impl Cells {
         }
         let kept: Vec<[u32; 4]> = (0..tets.len()).filter(|t| keep(*t)).map(|t| tets[t]).collect();
         Ok(Self { points, tets: kept, outer })
+    }
+
+    /// Takes off flat tetrahedra that lie with two faces on one triangle of the input: the surface stays
+    /// where it is. `origin` gives the input's triangle for the surface's.
+    pub(super) fn peel(&mut self, origin: &[u32]) {
+        let height = |p: [DVec3; 4]| {
+            let longest = (0..4).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| p[i].distance(p[j]));
+            let longest = longest.fold(0.0, f64::max);
+            signed_volume(p) / longest.powi(2)
+        };
+        let mut off = vec![false; self.tets.len()];
+        let mut walls: HashMap<[u32; 3], u32> = HashMap::new();
+        for (t, tet) in self.tets.iter().enumerate() {
+            let sides: Vec<usize> = (0..4).filter(|k| self.outer[t][*k] != NONE).collect();
+            let [i, j] = sides[..] else { continue };
+            let [a, b] = [i, j].map(|k| self.outer[t][k]);
+            if origin[a as usize] == origin[b as usize] && height(tet.map(|v| self.points[v as usize])) < 1e-9
+            {
+                off[t] = true;
+                for k in (0..4).filter(|k| !sides.contains(k)) {
+                    walls.insert(sorted(TET_FACES[k].map(|i| tet[i])), a);
+                }
+            }
+        }
+        if walls.is_empty() {
+            return;
+        }
+        for (tet, outer) in self.tets.iter().zip(&mut self.outer) {
+            for (k, triangle) in outer.iter_mut().enumerate() {
+                if *triangle == NONE
+                    && let Some(wall) = walls.get(&sorted(TET_FACES[k].map(|i| tet[i])))
+                {
+                    *triangle = *wall;
+                }
+            }
+        }
+        let mut keep = off.iter().map(|off| !off);
+        self.tets.retain(|_| keep.next().unwrap_or(true));
+        let mut keep = off.iter().map(|off| !off);
+        self.outer.retain(|_| keep.next().unwrap_or(true));
     }
 
     /// Whether each vertex lies on an outer face.

@@ -3,6 +3,9 @@
 use glam::DVec3;
 
 use super::cells::{CarveError, Cells};
+use super::conform::{Conformed, conform};
+use super::improve::Improver;
+use super::lattice::inner_points;
 use super::nearest::Locator;
 use super::quality::quality;
 use super::simplify::{deviation, simplify};
@@ -20,6 +23,8 @@ const REGULAR: f64 = 0.117_851_130_197_757_9;
 const EQUILATERAL: f64 = 0.433_012_701_892_219_3;
 /// Surface edges longer than this many target edges are split: their halves come out near the target.
 const LONG: f64 = 1.4;
+/// Inner points keep this many edges away from the surface.
+const GAP: f64 = 0.6;
 /// The bound on volume over that of the regular tetrahedron of the target edge.
 const BOUND: f64 = 1.8;
 /// Surface triangles that one trial may make by splitting.
@@ -60,6 +65,16 @@ struct Way {
     bound: f64,
 }
 
+/// A surface made ready for an edge length.
+#[derive(Clone)]
+struct Prepared {
+    surface: Surface,
+    /// How many long edges were split.
+    splits: usize,
+    /// The surface before these splits, where it was simplified.
+    simple: Option<TriMesh>,
+}
+
 /// What one trial made.
 pub(super) struct Made {
     surface: Surface,
@@ -85,6 +100,8 @@ pub(super) struct Maker<'a> {
     frame: Frame,
     base: Surface,
     ways: Vec<Way>,
+    /// The latest prepared surface, for which edge and whether simplified.
+    prepared: Option<(f64, bool, Prepared)>,
     runs: usize,
     hangs: usize,
     failures: Vec<String>,
@@ -107,9 +124,20 @@ impl<'a> Maker<'a> {
             }
             _ => vec![way(1.6, false, 1.0), way(2.0, false, 1.07), way(1000.0, false, 1.0)],
         };
-        let (runs, hangs, failures) = (0, 0, Vec::new());
-        let base = Surface::of(mesh);
-        Self { mesh, params, mesher, limits, exec, frame: Frame::of(mesh), base, ways, runs, hangs, failures }
+        Self {
+            mesh,
+            params,
+            mesher,
+            limits,
+            exec,
+            frame: Frame::of(mesh),
+            base: Surface::of(mesh),
+            ways,
+            prepared: None,
+            runs: 0,
+            hangs: 0,
+            failures: Vec::new(),
+        }
     }
 
     /// Triangles of the input.
@@ -137,8 +165,82 @@ impl<'a> Maker<'a> {
         (area(&self.base.mesh) / (EQUILATERAL * edge * edge)).ceil() as usize
     }
 
-    /// Fills the surface with tetrahedra of about this edge length.
-    pub(super) fn make(&mut self, edge: f64, may_simplify: bool) -> Result<Made, TetError> {
+    /// Fills the surface with tetrahedra of about `inner` edge length, after making the surface's own edges
+    /// about `outer` long: long ones are split, and short ones simplified away if that is allowed.
+    pub(super) fn make(&mut self, outer: f64, inner: f64, may_simplify: bool) -> Result<Made, TetError> {
+        let prepared = self.prepare(outer, may_simplify)?;
+        let mut surface = prepared.surface.clone();
+        let (simple, surface_splits) = (prepared.simple.clone(), prepared.splits);
+        let mut cells = match self.connect(&mut surface, outer, inner)? {
+            Some(cells) => cells,
+            None => {
+                surface = prepared.surface;
+                self.fill(&self.in_box(&surface.mesh), inner * self.frame.scale)?
+            }
+        };
+        let splits = cells.split_inner(self.exec)?;
+        Improver::new(&mut cells).improve(self.exec)?;
+        Ok(Made { surface, surface_splits, simple, cells, splits })
+    }
+
+    fn in_box(&self, mesh: &TriMesh) -> TriMesh {
+        let vertices = mesh.vertices.iter().map(|p| self.frame.box_from_world(*p)).collect();
+        TriMesh { vertices, triangles: mesh.triangles.clone() }
+    }
+
+    /// Delaunay tetrahedra of the surface and of even points inside; `None` where these do not come to
+    /// respect the surface.
+    fn connect(&mut self, surface: &mut Surface, outer: f64, inner: f64) -> Result<Option<Cells>, TetError> {
+        let inside = self.in_box(&surface.mesh);
+        let locator = Locator::new(&inside);
+        let scale = self.frame.scale;
+        let gap = GAP * outer.min(inner) * scale;
+        let points = inner_points(&inside, &locator, inner * scale, gap, super::MAX_TETS, self.exec)?;
+        let Some(points) = points else { return Ok(None) };
+        let (mesher, limits, exec, frame) = (self.mesher, self.limits, self.exec, self.frame);
+        let runs = &mut self.runs;
+        let run = |job: &Job| {
+            *runs += 1;
+            mesher.run(job, limits, exec)
+        };
+        let conformed = conform(surface, points, |p| frame.box_from_world(p), run, exec);
+        let carved = match conformed {
+            Ok(Conformed::Yes(answer)) => Cells::carve(answer, &self.in_box(&surface.mesh), exec),
+            Ok(Conformed::No) => Err(CarveError::Rubbish("the surface is hard to follow".to_owned())),
+            Err(e) => return self.failed(e).map(|()| None),
+        };
+        match carved {
+            Ok(mut cells) => {
+                if let Some(origin) = &surface.origin {
+                    cells.peel(origin);
+                }
+                Ok(Some(cells))
+            }
+            Err(CarveError::Cancelled(e)) => Err(e.into()),
+            Err(CarveError::Rubbish(what)) => self.failed(MesherError::Rubbish { what }).map(|()| None),
+        }
+    }
+
+    /// Notes a failure; an error if no other way can do better.
+    fn failed(&mut self, error: MesherError) -> Result<(), TetError> {
+        if let MesherError::Cancelled(e) = error {
+            return Err(e.into());
+        }
+        self.failures.push(error.to_string());
+        if error.may_retry() { Ok(()) } else { Err(self.give_up(error)) }
+    }
+
+    fn give_up(&self, last: MesherError) -> TetError {
+        TetError::Mesher { runs: self.runs, keep_surface: self.params.keep_surface, last }
+    }
+
+    /// The surface with edges of about this length.
+    fn prepare(&mut self, edge: f64, may_simplify: bool) -> Result<Prepared, TetError> {
+        if let Some((for_edge, for_simplify, prepared)) = &self.prepared
+            && (*for_edge, *for_simplify) == (edge, may_simplify)
+        {
+            return Ok(prepared.clone());
+        }
         let mut simple = None;
         if may_simplify {
             simple = simplify(&self.base.mesh, self.triangles_for(edge), self.exec)?;
@@ -147,13 +249,10 @@ impl<'a> Maker<'a> {
             Some(mesh) => Surface { mesh: mesh.clone(), origin: None },
             None => self.base.clone(),
         };
-        let surface_splits = surface.split_long_edges(LONG * edge, MOST_TRIANGLES, self.exec)?;
-        let points: Vec<DVec3> =
-            surface.mesh.vertices.iter().map(|p| self.frame.box_from_world(*p)).collect();
-        let inside = TriMesh { vertices: points, triangles: surface.mesh.triangles.clone() };
-        let mut cells = self.fill(&inside, edge * self.frame.scale)?;
-        let splits = cells.split_inner(self.exec)?;
-        Ok(Made { surface, surface_splits, simple, cells, splits })
+        let splits = surface.split_long_edges(LONG * edge, MOST_TRIANGLES, self.exec)?;
+        let prepared = Prepared { surface, splits, simple };
+        self.prepared = Some((edge, may_simplify, prepared.clone()));
+        Ok(prepared)
     }
 
     /// Runs TetGen in one way after the other until one gives tetrahedra that can be used.
@@ -192,8 +291,7 @@ impl<'a> Maker<'a> {
                 at += 1;
             }
             if left == 0 || self.hangs >= MOST_HANGS || !last.may_retry() {
-                let keep_surface = self.params.keep_surface;
-                return Err(TetError::Mesher { runs: self.runs, keep_surface, last });
+                return Err(self.give_up(last));
             }
         }
     }
@@ -275,5 +373,62 @@ impl<'a> Maker<'a> {
             locator.nearest((a + b + c) / 3.0, (b - a).cross(c - a)).map_or(0, |(n, _)| n)
         };
         Ok(self.exec.install(|| outer.par_iter().map(nearest).collect()))
+    }
+}
+
+#[cfg(test)]
+impl Maker<'_> {
+    pub(super) fn calibrate(&mut self, name: &str) {
+        for t in [500usize, 1500, 5000] {
+            let edge = (area(&self.base.mesh) / (EQUILATERAL * t as f64)).sqrt();
+            for f in [0.85, 1.0, 1.2] {
+                self.failures.clear();
+                self.runs = 0;
+                let start = std::time::Instant::now();
+                let p = self.prepare(edge, true).unwrap();
+                let mut surface = p.surface.clone();
+                let t0 = start.elapsed().as_secs_f64();
+                let Some(mut cells) = self.connect(&mut surface, edge, edge * f).unwrap() else {
+                    println!("{name} T {t} f {f} runs {} {:?}", self.runs, self.failures);
+                    continue;
+                };
+                let time = start.elapsed().as_secs_f64();
+                let outer = cells.outer.iter().flatten().filter(|o| **o != NONE).count();
+                let before = cells.tets.len();
+                let low = |cells: &Cells| {
+                    let mut a: Vec<f64> = cells
+                        .tets
+                        .iter()
+                        .map(|t| {
+                            super::quality::dihedral_angles(t.map(|v| cells.points[v as usize]))
+                                .0
+                                .to_degrees()
+                        })
+                        .collect();
+                    a.sort_by(f64::total_cmp);
+                    (a[0], a[a.len() / 100], a[a.len() / 20])
+                };
+                let q0 = low(&cells);
+                let s = cells.split_inner(self.exec).unwrap();
+                let q1 = low(&cells);
+                let t1 = start.elapsed().as_secs_f64();
+                Improver::new(&mut cells).improve(self.exec).unwrap();
+                let q2 = low(&cells);
+                let t2 = start.elapsed().as_secs_f64() - t1;
+                println!(
+                    "{name} T {t} simple {}+{} f {f}: runs {} outer {outer} tets {before} -> {} {s:?}| model {:.2} | angle {:.2?} -> {:.2?} -> {:.2?} improve {t2:.2} {t0:.2} {time:.2}s",
+                    p.simple.map_or(0, |s| s.triangles.len()),
+                    p.splits,
+                    self.runs,
+                    cells.tets.len(),
+                    cells.tets.len() as f64
+                        / (self.base.mesh.volume() / (REGULAR * (edge * f).powi(3))
+                            + 1.5 * area(&self.base.mesh) / (EQUILATERAL * edge * edge)),
+                    q0,
+                    q1,
+                    q2,
+                );
+            }
+        }
     }
 }

@@ -7,6 +7,9 @@ use super::{Defects, TetMesh, TopologyError, TriMesh, defects};
 use crate::exec::{Cancelled, Exec};
 
 mod cells;
+mod conform;
+mod improve;
+mod lattice;
 mod maker;
 mod nearest;
 mod quality;

@@ -51,7 +51,7 @@ fn look(maker: &mut Maker<'_>, goal: f64, simplify: bool) -> Result<Made, TetErr
     let mut best: Option<Made> = None;
     let mut failed = 0;
     for trial in 1..=MOST {
-        let made = match maker.make(edge.exp(), simplify) {
+        let made = match maker.make(edge.exp(), edge.exp(), simplify) {
             Ok(made) => made,
             // Another edge length is another surface, which may do where this one did not.
             Err(e) if failed < 2 && maker.may_go_on(&e) => {

@@ -3,6 +3,7 @@
 use std::cmp::Reverse;
 
 use super::cells::{Cells, next};
+use super::improve::Improver;
 use crate::exec::{Cancelled, Exec};
 use crate::mesh::{NONE, TET_FACES};
 
@@ -14,10 +15,8 @@ pub(super) struct Splits {
 }
 
 impl Cells {
-    /// Splits every inner edge that joins two vertices on the surface at its middle, longest first, then
-    /// every tetrahedron that still has its four vertices there at its barycentre.
-    pub(super) fn split_inner(&mut self, exec: &Exec) -> Result<Splits, Cancelled> {
-        let on = self.on_surface();
+    /// The inner edges that join two vertices on the surface, longest first.
+    fn crossing(&self, on: &[bool]) -> Vec<[u32; 2]> {
         let mut on_edges = Vec::new();
         let mut crossing = Vec::new();
         for (tet, outer) in self.tets.iter().zip(&self.outer) {
@@ -37,11 +36,22 @@ impl Cells {
         crossing.sort_unstable();
         crossing.dedup();
         crossing.retain(|edge| on_edges.binary_search(edge).is_err());
-        // Middles lie inside, so that a split makes no new such edge and changes none that waits.
         crossing.sort_by_cached_key(|[a, b]| {
             let length = self.points[*a as usize].distance(self.points[*b as usize]);
             (Reverse(length.to_bits()), [*a, *b])
         });
+        crossing
+    }
+
+    /// Flips away what inner edges between two vertices on the surface can be, then splits the others at
+    /// their middles, longest first, then every tetrahedron that still has its four vertices on the surface
+    /// at its barycentre.
+    pub(super) fn split_inner(&mut self, exec: &Exec) -> Result<Splits, Cancelled> {
+        let on = self.on_surface();
+        let before = self.crossing(&on);
+        Improver::new(self).remove_edges(&before, exec)?;
+        // Middles lie inside, so that a split makes no new such edge and changes none that waits.
+        let crossing = self.crossing(&on);
 
         let mut around: Vec<Vec<u32>> = vec![Vec::new(); self.points.len()];
         for (t, tet) in (0..).zip(&self.tets) {

@@ -1,4 +1,4 @@
-//! The surface that is handed to TetGen: the input's, with long edges split or with fewer triangles.
+//! The surface that is filled: the input's, with long edges split or with fewer triangles.
 
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
@@ -32,60 +32,137 @@ impl Surface {
         most: usize,
         exec: &Exec,
     ) -> Result<usize, Cancelled> {
-        let Self { mesh: TriMesh { vertices, triangles }, origin } = self;
-        // Looked up, never walked through: the order of a hash map must not show.
-        let mut at_edge: HashMap<[u32; 2], Vec<u32>> = HashMap::with_capacity(triangles.len() * 3 / 2);
+        let mut splitter = Splitter::new(self);
         let mut long = BinaryHeap::new();
         let rank = |[a, b]: [u32; 2], vertices: &[DVec3]| {
             // The bits of numbers that are not negative sort as the numbers do.
             let length = vertices[a as usize].distance(vertices[b as usize]);
             (length > limit).then(|| (length.to_bits(), Reverse([a, b])))
         };
-        for (t, triangle) in triangles.iter().enumerate() {
+        for triangle in &splitter.surface.mesh.triangles {
             for edge in edges(*triangle) {
-                let here = at_edge.entry(edge).or_default();
-                if here.is_empty() {
-                    long.extend(rank(edge, vertices));
-                }
-                here.push(index(t));
+                // An edge comes once for each of its triangles; the second time it is gone already.
+                long.extend(rank(edge, &splitter.surface.mesh.vertices));
             }
         }
         let mut splits = 0;
-        while let Some((_, Reverse([a, b]))) = long.pop() {
-            if triangles.len() >= most {
+        while let Some((_, Reverse(edge))) = long.pop() {
+            if splitter.surface.mesh.triangles.len() >= most {
                 break;
             }
             if splits % 4096 == 0 {
                 exec.check()?;
             }
-            let middle = index(vertices.len());
-            vertices.push(vertices[a as usize].midpoint(vertices[b as usize]));
-            splits += 1;
-            for t in at_edge.remove(&[a, b]).unwrap_or_default() {
-                // The half at `a` keeps the triangle's place, the half at `b` comes last.
-                let old = triangles[t as usize];
-                let new = index(triangles.len());
-                triangles[t as usize] = old.map(|v| if v == b { middle } else { v });
-                triangles.push(old.map(|v| if v == a { middle } else { v }));
-                if let Some(origin) = origin {
-                    let from = origin[t as usize];
-                    origin.push(from);
+            if let Some(new) = splitter.split(edge) {
+                splits += 1;
+                for edge in new {
+                    long.extend(rank(edge, &splitter.surface.mesh.vertices));
                 }
-                let Some(tip) = old.into_iter().find(|v| *v != a && *v != b) else { continue };
-                for other in at_edge.entry(sorted(b, tip)).or_default() {
-                    if *other == t {
-                        *other = new;
-                    }
-                }
-                at_edge.insert(sorted(middle, tip), vec![t, new]);
-                long.extend(rank(sorted(middle, tip), vertices));
-                at_edge.entry(sorted(a, middle)).or_default().push(t);
-                at_edge.entry(sorted(middle, b)).or_default().push(new);
             }
-            long.extend(rank(sorted(a, middle), vertices));
-            long.extend(rank(sorted(middle, b), vertices));
         }
         Ok(splits)
+    }
+}
+
+/// Splits edges of a surface.
+pub(super) struct Splitter<'a> {
+    pub(super) surface: &'a mut Surface,
+    /// The triangles at each edge. Looked up, never walked through: a hash map's order must not show.
+    at_edge: HashMap<[u32; 2], Vec<u32>>,
+}
+
+impl<'a> Splitter<'a> {
+    pub(super) fn new(surface: &'a mut Surface) -> Self {
+        let triangles = &surface.mesh.triangles;
+        let mut at_edge: HashMap<[u32; 2], Vec<u32>> = HashMap::with_capacity(triangles.len() * 3 / 2);
+        for (t, triangle) in (0..).zip(triangles) {
+            for edge in edges(*triangle) {
+                at_edge.entry(edge).or_default().push(t);
+            }
+        }
+        Self { surface, at_edge }
+    }
+
+    /// Splits an edge and its triangles at its middle, and gives the new edges; `None` if there is no such
+    /// edge.
+    pub(super) fn split(&mut self, [a, b]: [u32; 2]) -> Option<Vec<[u32; 2]>> {
+        let around = self.at_edge.remove(&[a, b])?;
+        let Surface { mesh: TriMesh { vertices, triangles }, origin } = &mut *self.surface;
+        let middle = index(vertices.len());
+        vertices.push(vertices[a as usize].midpoint(vertices[b as usize]));
+        let mut new_edges = vec![sorted(a, middle), sorted(middle, b)];
+        for t in around {
+            // The half at `a` keeps the triangle's place, the half at `b` comes last.
+            let old = triangles[t as usize];
+            let new = index(triangles.len());
+            triangles[t as usize] = old.map(|v| if v == b { middle } else { v });
+            triangles.push(old.map(|v| if v == a { middle } else { v }));
+            if let Some(origin) = origin {
+                let from = origin[t as usize];
+                origin.push(from);
+            }
+            let Some(tip) = old.into_iter().find(|v| *v != a && *v != b) else { continue };
+            for other in self.at_edge.entry(sorted(b, tip)).or_default() {
+                if *other == t {
+                    *other = new;
+                }
+            }
+            self.at_edge.insert(sorted(middle, tip), vec![t, new]);
+            self.at_edge.entry(sorted(a, middle)).or_default().push(t);
+            self.at_edge.entry(sorted(middle, b)).or_default().push(new);
+            new_edges.push(sorted(middle, tip));
+        }
+        Some(new_edges)
+    }
+}
+
+/// How far, as a cosine, a flip may turn the triangles of a simplified surface.
+const FLAT_ENOUGH: f64 = 0.9;
+
+impl Splitter<'_> {
+    /// Turns an edge into the other diagonal of its two triangles, if these lie on one triangle of the
+    /// input (or nearly in a plane, on a simplified surface) and the new triangles are `wanted`.
+    pub(super) fn flip(&mut self, edge: [u32; 2], wanted: impl Fn([u32; 3]) -> bool) -> bool {
+        self.try_flip(edge, wanted).is_some()
+    }
+
+    fn try_flip(&mut self, edge: [u32; 2], wanted: impl Fn([u32; 3]) -> bool) -> Option<()> {
+        let &[s, t] = &self.at_edge.get(&edge)?[..] else { return None };
+        let Surface { mesh: TriMesh { vertices, triangles }, origin } = &mut *self.surface;
+        let first = triangles[s as usize];
+        // (a, b, c) and (b, a, d).
+        let k = (0..3).find(|k| !edge.contains(&first[*k]))?;
+        let [a, b, c] = [first[(k + 1) % 3], first[(k + 2) % 3], first[k]];
+        let d = triangles[t as usize].into_iter().find(|v| !edge.contains(v))?;
+        let new = [[a, d, c], [d, b, c]];
+        if c == d || self.at_edge.contains_key(&sorted(c, d)) || !new.into_iter().all(wanted) {
+            return None;
+        }
+        let least = match origin {
+            Some(origin) if origin[s as usize] == origin[t as usize] => 0.0,
+            Some(_) => return None,
+            None => FLAT_ENOUGH,
+        };
+        let normal = |t: [u32; 3]| {
+            let [p, q, r] = t.map(|v| vertices[v as usize]);
+            (q - p).cross(r - p).normalize_or_zero()
+        };
+        let old = normal(first) + normal(triangles[t as usize]);
+        if !new.iter().all(|n| normal(*n).dot(old.normalize_or_zero()) > least) {
+            return None;
+        }
+        triangles[s as usize] = new[0];
+        triangles[t as usize] = new[1];
+        self.at_edge.remove(&edge);
+        self.at_edge.insert(sorted(c, d), vec![s, t]);
+        for (edge, from, to) in [(sorted(a, d), t, s), (sorted(b, c), s, t)] {
+            for other in self.at_edge.entry(edge).or_default() {
+                if *other == from {
+                    *other = to;
+                }
+            }
+        }
+        Some(())
     }
 }
 
@@ -116,11 +193,13 @@ pub(super) fn area(mesh: &TriMesh) -> f64 {
         .sum()
 }
 
-fn sorted(a: u32, b: u32) -> [u32; 2] {
+/// An edge, its smaller vertex first.
+pub(super) fn sorted(a: u32, b: u32) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
-fn edges([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
+/// The edges of a triangle.
+pub(super) fn edges([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
     [sorted(a, b), sorted(b, c), sorted(c, a)]
 }
 

@@ -169,3 +169,27 @@ fn what_cannot_be_filled_is_refused() {
         Err(TetError::Cancelled(_))
     ));
 }
+
+fn read_scratch(path: &str) -> TriMesh {
+    crate::mesh::clean(&crate::mesh::read(std::path::Path::new(path)).unwrap()).unwrap().0
+}
+
+#[test]
+#[ignore]
+fn calibrate() {
+    let d = "/work/shared/data/meshes/";
+    for (name, mesh) in [
+        ("sphere", shapes::sphere(5, 1.0)),
+        ("torus", shapes::torus(96, 48, 1.0, 0.3)),
+        ("box", shapes::cuboid(DVec3::new(1.0, 2.0, 0.3))),
+        ("spot", read_scratch(&format!("{d}spot.obj"))),
+        ("bunny", read_scratch(&format!("{d}bunny-closed.off"))),
+        ("rocker", read_scratch(&format!("{d}rocker-arm.obj"))),
+    ] {
+        let params = TetParams { tets: 5000, keep_surface: false };
+        let exec = Exec::default();
+        let limits = MesherLimits::default();
+        let mut maker = maker::Maker::new(&mesh, &params, &Mesher::InProcess, &limits, &exec);
+        maker.calibrate(name);
+    }
+}
