@@ -135,7 +135,7 @@ pub fn direction_field(
     exec.check()?;
     let values = depth.map(|d| d.values.as_slice());
     let weights = weights(&graph, values);
-    let smoother = Smoother::new(&graph, &weights, &pins, params.stiffness, 0.0, exec)?;
+    let smoother = Smoother::new(mesh, &graph, &weights, &pins, params.stiffness, 0.0, exec)?;
     let smooth = if params.line_field {
         let targets: Vec<[f64; 6]> = tangents.iter().map(|t| outer(*t)).collect();
         let lines = smoother.solve(&targets, [0.0; 6]).into_iter().map(main_direction).collect::<Vec<_>>();
@@ -266,15 +266,15 @@ fn middles(mesh: &TetMesh, component: &[u32], first: &[Option<usize>]) -> Vec<(u
     bare.map(|((v, sum, count), _)| (v, sum / count)).collect()
 }
 
-/// The main eigenvector; `None` where no direction stands out.
+/// The main eigenvector, as long as its value exceeds the second; `None` where it does not stand out.
 fn main_direction(line: [f64; 6]) -> Option<DVec3> {
     let [(first, axis), (second, _), _] = eigen(line);
-    (first > FAINT && first - second > DISTINCT * first).then_some(axis)
+    (first > FAINT && first - second > DISTINCT * first).then_some(axis * (first - second.max(0.0)))
 }
 
-/// Gives the lines senses, outwards from the first stroke in each connected part. The best aligned
-/// neighbour is always next: breadth-first alone would carry the sense straight through the axis of a
-/// rotation and leave a seam behind it.
+/// Makes lines to unit vectors with a sense, outwards from the first stroke in each connected part. The
+/// neighbour that is best aligned and most distinct is always next: breadth-first alone would carry the
+/// sense straight through the axis of a rotation and leave a seam behind it.
 fn agree_in_sign(graph: &Graph, lines: &[Option<DVec3>], seeds: &[(u32, DVec3)]) -> Vec<Option<DVec3>> {
     let mut sense: Vec<Option<DVec3>> = vec![None; graph.len()];
     // (alignment, vertex, the sense it comes from, as bits): floats ≥ 0 are ordered as their bits are.
@@ -298,7 +298,7 @@ fn agree_in_sign(graph: &Graph, lines: &[Option<DVec3>], seeds: &[(u32, DVec3)])
         }
     }
     // A vertex without a line only passed the sense on.
-    lines.iter().zip(sense).map(|(line, sense)| line.and(sense)).collect()
+    lines.iter().zip(sense).map(|(line, sense)| line.and(sense)?.try_normalize()).collect()
 }
 
 #[cfg(test)]
@@ -456,7 +456,7 @@ mod tests {
         let far = stroke(&[DVec3::X * 5.0, DVec3::X * 6.0]);
         assert_eq!(error(&[good.clone(), far]), DirectionError::StrokeMisses { stroke: 1 });
         let params = DirectionParams { stiffness: -1.0, ..DirectionParams::default() };
-        let bad = direction_field(&mesh, &[good.clone()], None, &params, &Exec::default());
+        let bad = direction_field(&mesh, std::slice::from_ref(&good), None, &params, &Exec::default());
         assert_eq!(bad.unwrap_err(), DirectionError::Stiffness(-1.0));
         let (_, depth) = fruit();
         let params = DirectionParams::default();

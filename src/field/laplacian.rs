@@ -3,7 +3,7 @@
 use crate::exec::Exec;
 use crate::field::graph::Graph;
 use crate::mesh::TetMesh;
-use crate::solve::{Entry, SolveError, SpdFactor};
+use crate::solve::{Entry, SolveError, SpdFactor, nested_dissection};
 
 /// A point of the mesh whose value is wanted: Σ λₖ x(vₖ).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,6 +70,7 @@ pub(crate) struct Smoother<'a> {
 impl<'a> Smoother<'a> {
     /// `stiffness` is μ; `pull` is ε, which may be 0 where every connected component has a pin.
     pub(crate) fn new(
+        mesh: &TetMesh,
         graph: &Graph,
         weights: &[f64],
         pins: &'a [Pin],
@@ -92,7 +93,8 @@ impl<'a> Smoother<'a> {
             lower.extend((0..graph.len()).map(|v| Entry::new(v, v, pull)));
         }
         exec.check().map_err(SmoothError::Cancelled)?;
-        let factor = SpdFactor::new(graph.len(), &lower).map_err(SmoothError::Solve)?;
+        let order = nested_dissection(&mesh.vertices, &lower);
+        let factor = SpdFactor::ordered(&order, &lower).map_err(SmoothError::Solve)?;
         Ok(Self { factor, pins, stiffness, pull })
     }
 
@@ -219,12 +221,12 @@ mod tests {
         };
         let weights = weights(&graph, None);
         let pins = [pin([0.31, 0.2, 0.77])];
-        let smoother = Smoother::new(&graph, &weights, &pins, 10.0, 0.0, &exec).unwrap();
+        let smoother = Smoother::new(&mesh, &graph, &weights, &pins, 10.0, 0.0, &exec).unwrap();
         for x in smoother.solve(&[[2.0, -1.0]], [0.0; 2]) {
             assert!((x[0] - 2.0).abs() < 1e-8 && (x[1] + 1.0).abs() < 1e-8);
         }
         let pins = [pin([0.1, 0.5, 0.5]), pin([0.9, 0.5, 0.5])];
-        let smoother = Smoother::new(&graph, &weights, &pins, 1e5, 0.0, &exec).unwrap();
+        let smoother = Smoother::new(&mesh, &graph, &weights, &pins, 1e5, 0.0, &exec).unwrap();
         let x = smoother.solve(&[[0.0], [1.0]], [0.0]);
         for (pin, target) in pins.iter().zip([0.0, 1.0]) {
             let at: f64 = pin.vertices.iter().zip(pin.weights).map(|(&v, l)| l * x[v as usize][0]).sum();

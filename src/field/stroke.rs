@@ -18,13 +18,14 @@ pub(crate) fn length(points: &[DVec3]) -> f64 {
 }
 
 /// Samples at equal steps of at most `spacing` along a polyline, both ends included, with tangents by
-/// central differences. A polyline without length gives its first point, with tangent 0.
+/// central differences. A polyline without length, or of a length past all numbers, gives
+/// its first point, with tangent 0.
 pub(crate) fn sample(points: &[DVec3], spacing: f64) -> Vec<Sample> {
     let Some(&first) = points.first() else {
         return Vec::new();
     };
     let total = length(points);
-    if total <= 0.0 {
+    if !(total > 0.0 && total.is_finite()) {
         return vec![Sample { point: first, tangent: DVec3::ZERO }];
     }
     let steps = (total / spacing).ceil().clamp(1.0, MOST) as usize;
@@ -87,6 +88,7 @@ mod tests {
         assert!(sample(&[], 1.0).is_empty());
         assert_eq!(sample(&[DVec3::X], 1.0), [Sample { point: DVec3::X, tangent: DVec3::ZERO }]);
         assert_eq!(sample(&[DVec3::X, DVec3::X], 1.0).len(), 1);
+        assert_eq!(sample(&[DVec3::X * 1e308, DVec3::X * -1e308], 1.0).len(), 1);
         let hairpin = sample(&[DVec3::ZERO, DVec3::X, DVec3::ZERO], 0.5);
         assert!(hairpin.iter().all(|s| (s.tangent.length() - 1.0).abs() < 1e-12));
         assert_eq!(sample(&[DVec3::ZERO, DVec3::X * 1e12], 1e-3).len(), 65_537);

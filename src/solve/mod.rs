@@ -4,10 +4,15 @@
 //! Lapis gives the same bytes at any thread count. Stages run many such solves side by side instead.
 
 mod dense;
+mod dissection;
 
 pub use dense::solve_dense_spd;
+pub use dissection::nested_dissection;
 use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::linalg::cholesky::{LltRef, SymbolicCholesky, factorize_symbolic_cholesky};
+use faer::perm::PermRef;
+use faer::sparse::linalg::cholesky::{
+    LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+};
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Conj, MatMut, Par, Side};
 
@@ -47,16 +52,31 @@ impl SpdFactor {
     /// # Panics
     /// Where an entry lies outside the matrix.
     pub fn new(size: usize, lower: &[Entry]) -> Result<Self, SolveError> {
+        Self::build(size, lower, SymmetricOrdering::Amd)
+    }
+
+    /// The same, eliminating the unknowns in the given order, as from [`nested_dissection`].
+    ///
+    /// # Errors
+    /// [`SolveError`] where the matrix is not positive definite or too large.
+    ///
+    /// # Panics
+    /// Where an entry lies outside the matrix, or `order` is no permutation.
+    pub fn ordered(order: &[usize], lower: &[Entry]) -> Result<Self, SolveError> {
+        let mut inverse = vec![0; order.len()];
+        for (place, &v) in order.iter().enumerate() {
+            inverse[v] = place;
+        }
+        let order = PermRef::new_checked(order, &inverse, order.len());
+        Self::build(inverse.len(), lower, SymmetricOrdering::Custom(order))
+    }
+
+    fn build(size: usize, lower: &[Entry], order: SymmetricOrdering<'_, usize>) -> Result<Self, SolveError> {
         let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(size, size, lower)
             .map_err(|_| SolveError::OutOfMemory { size })?;
         let oom = |_| SolveError::OutOfMemory { size };
-        let symbolic = factorize_symbolic_cholesky(
-            matrix.symbolic(),
-            Side::Lower,
-            Default::default(),
-            Default::default(),
-        )
-        .map_err(oom)?;
+        let symbolic = factorize_symbolic_cholesky(matrix.symbolic(), Side::Lower, order, Default::default())
+            .map_err(oom)?;
         let mut numeric = vec![0.0; symbolic.len_val()];
         let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         let mut memory = MemBuffer::try_new(scratch).map_err(|_| SolveError::OutOfMemory { size })?;

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use faer::MatMut;
 use glam::DVec3;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::{Kernel, LANES, Rbf, thin};
 use crate::exec::{Cancelled, Exec};
@@ -13,8 +13,7 @@ use crate::field::eigen::{Symmetric, eigen, outer};
 use crate::solve::{SolveError, solve_dense_spd};
 
 /// How to fit.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct RbfParams {
     /// The radial function.
     pub kernel: Kernel,
