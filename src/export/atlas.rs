@@ -98,16 +98,20 @@ impl Atlas {
         }
         // Where texels are coarser than voxels, each takes the mean of several points.
         let samples = if density > 0.0 { (wanted / (TEXELS_PER_VOXEL * density)).ceil() } else { 1.0 };
-        let sheet = Sheet { side, gutter: gutter(side), samples: samples.clamp(1.0, 4.0) };
+        let most = if side > 1024 { 2.0 } else { 4.0 };
+        let sheet = Sheet { side, gutter: gutter(side, charts.len()), samples: samples.clamp(1.0, most) };
         let (picture, used) = bake(surface, &texels, &sheet, exec)?;
         let uv = texels.iter().map(|t| t.map(|p| p / f64::from(side))).collect();
         Ok(Self { picture, uv, chart, charts: charts.len(), density, used })
     }
 }
 
-/// Texels around each chart that carry its colours on.
-fn gutter(side: u32) -> u32 {
-    (side / 256).clamp(2, 4)
+/// Texels around each chart that carry its colours on: enough for some mip levels, fewer where there are many
+/// charts and borders would take up the atlas.
+fn gutter(side: u32, charts: usize) -> u32 {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)]
+    let share = (f64::from(side) / (8.0 * (charts as f64).sqrt())) as u32;
+    (side / 128).min(share).clamp(2, 8)
 }
 
 /// Texels along a world length that show every voxel of the solid textures: for three quarters of the area.
@@ -151,7 +155,7 @@ struct Layout {
 impl Layout {
     /// The densest layout that fits.
     fn new(charts: &[Chart], side: u32) -> Option<Self> {
-        let border = gutter(side);
+        let border = gutter(side, charts.len());
         let full = f64::from(side);
         let attempt = |density: f64| {
             let size = |c: &Chart| {

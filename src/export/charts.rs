@@ -5,6 +5,7 @@ use std::collections::BinaryHeap;
 
 use glam::{DVec2, DVec3};
 
+use super::merge::{Region, merge};
 use crate::exec::{Cancelled, Exec};
 use crate::mesh::index;
 use crate::render::Surface;
@@ -14,7 +15,7 @@ const JOIN_DEG: f64 = 50.0;
 /// A face stays in a finished chart up to this angle.
 const STAY_DEG: f64 = 65.0;
 /// No chart, or no neighbour.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 
 /// Faces of one kind of origin that hang together, projected onto a plane.
 #[derive(Debug, Clone)]
@@ -38,7 +39,7 @@ pub(super) fn charts(surface: &Surface<'_>, exec: &Exec) -> Result<Vec<Chart>, C
         .collect();
     let neighbours = neighbours(surface);
     let mut owner = vec![NONE; count];
-    let mut charts = Vec::new();
+    let mut regions = Vec::new();
     let mut next = 0;
     while next < count {
         if owner[next] != NONE {
@@ -46,13 +47,17 @@ pub(super) fn charts(surface: &Surface<'_>, exec: &Exec) -> Result<Vec<Chart>, C
             continue;
         }
         exec.check()?;
-        let name = index(charts.len());
+        let name = index(regions.len());
         let faces = grow(surface, &areas, &neighbours, &mut owner, next, name);
         let normal = mean_normal(surface, &areas, &faces);
         let faces = settle(surface, &mut owner, faces, normal);
-        charts.push(flatten(surface, &areas, faces, normal));
+        let area = faces.iter().map(|&f| areas[f as usize]).sum();
+        regions.push(Region { faces, normal, area });
     }
-    Ok(charts)
+    merge(surface, &neighbours, &mut owner, &mut regions, exec)?;
+    exec.check()?;
+    let whole = regions.into_iter().filter(|r| !r.faces.is_empty());
+    Ok(whole.map(|r| flatten(surface, &areas, r.faces, r.normal)).collect())
 }
 
 /// The face across each edge (from corner k to k + 1), where exactly two faces of one kind meet.
@@ -120,12 +125,12 @@ fn mean_normal(surface: &Surface<'_>, areas: &[f64], faces: &[u32]) -> DVec3 {
 }
 
 /// Two perpendicular axes of the plane, right-handed with its normal.
-fn axes(normal: DVec3) -> [DVec3; 2] {
+pub(super) fn axes(normal: DVec3) -> [DVec3; 2] {
     let u = normal.any_orthonormal_vector();
     [u, normal.cross(u)]
 }
 
-fn project(surface: &Surface<'_>, f: u32, [u, v]: [DVec3; 2]) -> [DVec2; 3] {
+pub(super) fn project(surface: &Surface<'_>, f: u32, [u, v]: [DVec3; 2]) -> [DVec2; 3] {
     surface.corners(f as usize).map(|p| DVec2::new(p.dot(u), p.dot(v)))
 }
 
@@ -185,14 +190,14 @@ fn overlaps(surface: &Surface<'_>, faces: &[u32], flat: &[[DVec2; 3]]) -> Vec<bo
     dropped
 }
 
-fn share_edge(surface: &Surface<'_>, f: u32, g: u32) -> bool {
+pub(super) fn share_edge(surface: &Surface<'_>, f: u32, g: u32) -> bool {
     let vertices = |f: u32| surface.faces[f as usize].map(|p| surface.points[p as usize].vertex);
     let (a, b) = (vertices(f), vertices(g));
     a.iter().filter(|v| b.contains(v)).count() >= 2
 }
 
 /// Whether two counter-clockwise triangles overlap by more than `touch`: no edge of either parts them.
-fn cross(a: &[DVec2; 3], b: &[DVec2; 3], touch: f64) -> bool {
+pub(super) fn cross(a: &[DVec2; 3], b: &[DVec2; 3], touch: f64) -> bool {
     let parts = |t: &[DVec2; 3], other: &[DVec2; 3]| {
         (0..3).any(|k| {
             let inwards = (t[(k + 1) % 3] - t[k]).perp().normalize_or_zero();

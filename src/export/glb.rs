@@ -44,7 +44,12 @@ pub fn glb(solid: &LappedSolid, params: &AtlasParams, exec: &Exec) -> Result<Vec
     const U16: u32 = 5123;
     const U32: u32 = 5125;
     let surface = Surface::new(solid);
-    exec.check()?;
+    // The quick check before the long work.
+    let places = surface
+        .points
+        .iter()
+        .map(|p| single(p.vertex, solid.mesh.vertices[p.vertex as usize]))
+        .collect::<Result<Vec<_>, _>>()?;
     let atlas = Atlas::new(&surface, params, exec)?;
     exec.check()?;
 
@@ -57,9 +62,8 @@ pub fn glb(solid: &LappedSolid, params: &AtlasParams, exec: &Exec) -> Result<Vec
             let next = index(positions.len());
             let vertex = *vertices.entry((p, atlas.chart[f])).or_insert(next);
             if vertex == next {
-                let point = surface.points[p as usize];
-                positions.push(single(point.vertex, solid.mesh.vertices[point.vertex as usize])?);
-                normals.push(point.normal.as_vec3().to_array());
+                positions.push(places[p as usize]);
+                normals.push(surface.points[p as usize].normal.as_vec3().to_array());
                 uvs.push(uv.as_vec2().to_array());
             }
             indices.push(vertex);

@@ -7,6 +7,7 @@ mod atlas;
 mod bake;
 mod charts;
 mod glb;
+mod merge;
 mod pack;
 mod ply;
 

@@ -1,7 +1,7 @@
 //! Pictures of lapped solids, without a GPU \[LST 5.1\].
 //!
 //! [`render`] draws the boundary of one or more solids, each moved by its own offset, through a
-//! perspective [`Camera`](crate::view::Camera). Colours come from
+//! perspective [`Camera`]. Colours come from
 //! [`LappedSolid::colour`](crate::lap::LappedSolid::colour), so a picture shows exactly what the lapped
 //! solid says; no texture is baked in between. [`Surface`] is the boundary with its smooth normals,
 //! which the exporters share.

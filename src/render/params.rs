@@ -46,7 +46,7 @@ impl Default for RenderParams {
             height: 1024,
             background: Background::WHITE,
             samples: 4,
-            light_azimuth_deg: -26.0,
+            light_azimuth_deg: -20.0,
             light_elevation_deg: 36.0,
             shading: 1.0,
         }

@@ -1,4 +1,4 @@
-//! Lapped solids of known colour for tests.
+//! Lapped solids of known colour, for tests and benches.
 
 use std::sync::Arc;
 
@@ -44,8 +44,6 @@ fn kuhn(n: u32, place: impl Fn(DVec3) -> DVec3, keep: impl Fn(DVec3) -> bool) ->
 
 /// One patch over all: texture space is the cube −1…1, and colour runs along each axis on its own.
 fn lapped(mesh: TetMesh, texture: SolidTexture) -> LappedSolid {
-    let mut used = vec![false; mesh.vertices.len()];
-    mesh.tets.iter().flatten().for_each(|&v| used[v as usize] = true);
     let count = mesh.tets.len();
     let uvw = |v: u32| ((mesh.vertices[v as usize] + 1.0) * 0.5).as_vec3().to_array();
     LappedSolid {

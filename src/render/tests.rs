@@ -186,6 +186,11 @@ fn bad_calls_are_refused() {
         render(&[(&cube).into()], &camera, &small(4, 4), &exec),
         Err(RenderError::Cancelled(Cancelled))
     );
+    // The longest and thinnest pictures are pictures.
+    for (width, height) in [(MAX_PICTURE_SIDE, 1), (1, MAX_PICTURE_SIDE)] {
+        let strip = draw(&cube, &camera, &small(width, height));
+        assert_eq!(strip.rgba.len(), MAX_PICTURE_SIDE as usize);
+    }
     // Nothing to draw is an empty picture.
     let empty = render(&[], &camera, &small(4, 4), &Exec::default()).unwrap();
     assert!(empty.rgba.iter().all(|p| *p == [0; 4]));
