@@ -227,16 +227,51 @@ impl Curve {
         lo
     }
 
-    /// Whether the curve, on its way from one crossing to the other, strays from the straight line by
-    /// more than `limit` picture heights. Of a closed curve's two ways the better one counts.
-    pub(super) fn strays(&self, x: &Crossing, y: &Crossing, limit: f64) -> bool {
+    /// How far the curve, on its way from one crossing to the other, strays from the straight line between
+    /// them, in picture heights, and the point where it does; `None` where that is no more than `limit`.
+    /// Of a closed curve's two ways the straighter one counts.
+    pub(super) fn strays(&self, x: &Crossing, y: &Crossing, limit: f64) -> Option<(f64, DVec2)> {
         let (from, to) = (x.wall.min(y.wall) as usize, x.wall.max(y.wall) as usize);
-        let far = |p: &DVec2| distance_squared(*p, x.at, y.at) > limit * limit;
-        let there = self.points[from + 1..=to].iter().any(far);
-        if !self.closed || !there {
-            return there;
+        let farthest = |way: &mut dyn Iterator<Item = &DVec2>| {
+            let far = |p: &DVec2| (distance_squared(*p, x.at, y.at), *p);
+            way.map(far).fold((0.0, x.at), |a, b| if b.0 > a.0 { b } else { a })
+        };
+        let near = |p: &DVec2| distance_squared(*p, x.at, y.at) <= limit * limit;
+        // Most ways are short and straight, or long and soon far off.
+        let there = &self.points[from + 1..=to];
+        if there.iter().all(near) {
+            return None;
         }
-        self.points[to + 1..].iter().any(far) || self.points[..=from].iter().any(far)
+        let mut found = farthest(&mut there.iter());
+        if self.closed {
+            let back = || self.points[to + 1..].iter().chain(&self.points[..=from]);
+            if back().all(near) {
+                return None;
+            }
+            let other = farthest(&mut back());
+            if other.0 < found.0 {
+                found = other;
+            }
+        }
+        Some((found.0.sqrt(), found.1))
+    }
+
+    /// Whether a point is seen within `limit` picture heights of the curve.
+    pub(super) fn within(&self, p: DVec3, limit: f64) -> bool {
+        let (p, _) = self.see(p);
+        (0..self.walls).any(|k| {
+            let [a, b] = self.side(k);
+            distance_squared(p, a, b) <= limit * limit
+        })
+    }
+
+    /// Where the edge from a to b passes behind the line that is drawn on the screen through what is seen of
+    /// `apex` and a point, as a part of it.
+    pub(super) fn behind(&self, a: DVec3, b: DVec3, apex: DVec3, through: DVec2) -> Option<f64> {
+        let ((p, za), (q, zb), (o, _)) = (self.see(a), self.see(b), self.see(apex));
+        let (da, db) = (turn(o, through, p) * za, turn(o, through, q) * zb);
+        let t = da / (da - db);
+        (da * db < 0.0 && t.is_finite()).then_some(t)
     }
 }
 

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::curve::Curve;
 use super::subdivide::{INNER, Part, Split, Subdivision, WHOLE, edges};
 use super::{CutError, Sheet};
 use crate::exec::Exec;
@@ -20,6 +21,8 @@ pub(super) struct Divided {
     pub(super) neighbours: Vec<[u32; 4]>,
     /// Which side of the sheet each part lies on.
     pub(super) positive: Vec<bool>,
+    /// What hangs together on one side.
+    pub(super) connected: Connected,
     /// Vertices that the cut was led through.
     pub(super) snapped: usize,
 }
@@ -32,10 +35,45 @@ impl Divided {
     }
 }
 
+/// The connected components of both sides.
+pub(super) struct Connected {
+    /// How many there are.
+    pub(super) count: usize,
+    /// The component of each part; they are numbered by their first parts.
+    pub(super) of: Vec<u32>,
+}
+
+impl Connected {
+    fn new(neighbours: &[[u32; 4]], positive: &[bool]) -> Self {
+        let mut of = vec![NONE; positive.len()];
+        let mut count = 0;
+        let mut stack = Vec::new();
+        for start in 0..of.len() {
+            if of[start] != NONE {
+                continue;
+            }
+            of[start] = index(count);
+            stack.push(start);
+            while let Some(i) = stack.pop() {
+                for &across in neighbours[i].iter().filter(|&&n| n != NONE) {
+                    let across = across as usize;
+                    if of[across] == NONE && positive[across] == positive[i] {
+                        of[across] = index(count);
+                        stack.push(across);
+                    }
+                }
+            }
+            count += 1;
+        }
+        Self { count, of }
+    }
+}
+
 /// Divides the parts of `mesh` along the sheet.
 pub(super) fn divide(
     mut parts: Subdivision,
     sheet: &Sheet,
+    tolerance: f64,
     mesh: &TetMesh,
     exec: &Exec,
 ) -> Result<Divided, CutError> {
@@ -79,8 +117,16 @@ pub(super) fn divide(
     let first = in_order(&mut parts, mesh.tets.len());
     exec.check()?;
     let neighbours = neighbours(&parts.parts, &first, mesh);
-    let positive = sides_of_parts(&parts, &neighbours, &sides, sheet);
-    Ok(Divided { parts, neighbours, positive, snapped })
+    let mut positive = sides_of_parts(&parts, &neighbours, &sides, sheet);
+    let mut connected = Connected::new(&neighbours, &positive);
+    if let Sheet::Screen(curve) = sheet {
+        while connected.count > 1
+            && join_chips(&parts, &neighbours, &connected, curve, tolerance, &mut positive)
+        {
+            connected = Connected::new(&neighbours, &positive);
+        }
+    }
+    Ok(Divided { parts, neighbours, positive, connected, snapped })
 }
 
 /// The edges whose ends lie on different sides, sorted and each once, with the places of crossing.
@@ -194,4 +240,31 @@ fn sides_of_parts(parts: &Subdivision, neighbours: &[[u32; 4]], sides: &[i8], sh
         }
     }
     result.into_iter().map(|s| s > 0).collect()
+}
+
+/// A component that nowhere leaves the stroke by more than the tolerance is a chip, such as a stroke leaves
+/// where it grazes the outline of the model: it joins the other side. Whether there was one.
+fn join_chips(
+    parts: &Subdivision,
+    neighbours: &[[u32; 4]],
+    connected: &Connected,
+    curve: &Curve,
+    tolerance: f64,
+    positive: &mut [bool],
+) -> bool {
+    let mut chip = vec![true; connected.count];
+    for (part, &c) in parts.parts.iter().zip(&connected.of) {
+        let chip = &mut chip[c as usize];
+        *chip = *chip && parts.corners(part).iter().all(|&p| curve.within(p, tolerance));
+    }
+    // A chip with nothing but chips around it stays.
+    let mut joins = vec![false; connected.count];
+    for (i, &c) in connected.of.iter().enumerate().filter(|(_, c)| chip[**c as usize]) {
+        let other = |&&n: &&u32| n != NONE && !chip[connected.of[n as usize] as usize];
+        joins[c as usize] |= neighbours[i].iter().any(|n| other(&n));
+    }
+    for (positive, &c) in positive.iter_mut().zip(&connected.of) {
+        *positive ^= joins[c as usize];
+    }
+    joins.contains(&true)
 }

@@ -247,7 +247,7 @@ fn cut_here(
     }
     report.vertices_refined = parts.vertices.len() - solid.mesh.vertices.len();
     stage.at(2);
-    let divided = divide::divide(parts, &sheet, &solid.mesh, exec)?;
+    let divided = divide::divide(parts, &sheet, params.tolerance, &solid.mesh, exec)?;
     report.vertices_cut = divided.parts.vertices.len() - solid.mesh.vertices.len() - report.vertices_refined;
     report.vertices_snapped = divided.snapped;
     if let Some(positive) = divided.one_side() {

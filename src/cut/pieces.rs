@@ -94,29 +94,9 @@ fn between(a: &[DVec3; 3], b: &[DVec3; 3], t: f64) -> [DVec3; 3] {
 /// The connected parts of both sides, by falling volume.
 fn outlines(divided: &Divided) -> Vec<Outline> {
     let parts = &divided.parts.parts;
-    let mut piece = vec![NONE; parts.len()];
-    let mut lists: Vec<Vec<u32>> = Vec::new();
-    let mut stack = Vec::new();
-    for start in 0..parts.len() {
-        if piece[start] != NONE {
-            continue;
-        }
-        let number = index(lists.len());
-        piece[start] = number;
-        stack.push(start);
-        while let Some(i) = stack.pop() {
-            for &across in divided.neighbours[i].iter().filter(|&&n| n != NONE) {
-                let across = across as usize;
-                if piece[across] == NONE && divided.positive[across] == divided.positive[i] {
-                    piece[across] = number;
-                    stack.push(across);
-                }
-            }
-        }
-        lists.push(Vec::new());
-    }
-    for (i, &p) in piece.iter().enumerate() {
-        lists[p as usize].push(index(i));
+    let mut lists = vec![Vec::new(); divided.connected.count];
+    for (i, &c) in divided.connected.of.iter().enumerate() {
+        lists[c as usize].push(index(i));
     }
     // Marks of the piece that last used a vertex, and the vertex's number there.
     let mut used = vec![(NONE, 0u32); divided.parts.vertices.len()];

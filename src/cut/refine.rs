@@ -17,6 +17,8 @@ const ROUNDS: usize = 40;
 enum Meets {
     /// The curve does not cross it.
     Not,
+    /// It does, but only for an excursion too slight to follow.
+    Slightly,
     /// The curve crosses it once.
     Once(Crossing),
     /// The curve crosses it more often; a vertex here would lie between two of the crossings.
@@ -37,7 +39,7 @@ pub(super) fn refine(
     tolerance: f64,
     exec: &Exec,
 ) -> Result<usize, Cancelled> {
-    let most = 4 * parts.parts.len() + 200_000;
+    let most = 4 * parts.parts.len() + 20_000;
     let mut given_up: Vec<[u32; 2]> = Vec::new();
     let mut active: Vec<u32> = (0..parts.parts.len() as u32).collect();
     for round in 0.. {
@@ -82,21 +84,24 @@ fn wanted(parts: &Subdivision, curve: &Curve, tolerance: f64, active: &[u32]) ->
         let edge = [a.min(b), a.max(b)];
         all.binary_search(&edge).map_or(Meets::Not, |at| meets[at])
     };
-    let mut bends: Vec<[u32; 2]> = active
+    let mut bends: Vec<Bend> = active
         .par_iter()
         .with_min_len(256)
         .flat_map_iter(|i| {
             let part = part(i);
             TET_FACES.iter().filter_map(move |face| {
                 let f = face.map(|k| part.vertices[k]);
-                bends(parts, curve, tolerance, f, [look(f[0], f[1]), look(f[1], f[2]), look(f[2], f[0])])
-                    .then(|| longest(parts, part))
+                // By the vertex opposite.
+                let met = [look(f[1], f[2]), look(f[2], f[0]), look(f[0], f[1])];
+                bend(parts, curve, tolerance, part, f, met)
             })
         })
         .collect();
-    bends.par_sort_unstable();
-    bends.dedup();
-    let mut splits: Vec<Split> = bends.into_iter().map(|edge| Split { edge, t: 0.5 }).collect();
+    // Of several faces that would split an edge at different places, that with the sharpest bend decides.
+    let place = |a: &Bend, b: &Bend| b.by.total_cmp(&a.by).then(a.split.t.total_cmp(&b.split.t));
+    bends.par_sort_unstable_by(|a, b| a.split.edge.cmp(&b.split.edge).then(place(a, b)));
+    bends.dedup_by_key(|b| b.split.edge);
+    let mut splits: Vec<Split> = bends.into_iter().map(|b| b.split).collect();
     splits.retain(|s| !matches!(look(s.edge[0], s.edge[1]), Meets::Often(_)));
     splits.extend(all.iter().zip(&meets).filter_map(|(edge, m)| match m {
         Meets::Often(t) => Some(Split { edge: *edge, t: *t }),
@@ -110,12 +115,13 @@ fn meets(parts: &Subdivision, curve: &Curve, tolerance: f64, edge: [u32; 2]) -> 
     let [a, b] = edge.map(|v| parts.vertices[v as usize]);
     let mut found = Vec::new();
     curve.crossings(a, b, &mut found);
+    let none = if found.is_empty() { Meets::Not } else { Meets::Slightly };
     if found.len() > 1 {
         // Two crossings with next to nothing between them cancel out.
         let slight = |x: &Crossing, y: &Crossing| {
             y.t - x.t < 2.0 * SNAP
                 || x.at.distance(y.at) < 0.25 * tolerance
-                || !curve.strays(x, y, 0.5 * tolerance)
+                || curve.strays(x, y, 0.5 * tolerance).is_none()
         };
         let mut stays: Vec<Crossing> = Vec::with_capacity(found.len());
         for x in found {
@@ -129,7 +135,7 @@ fn meets(parts: &Subdivision, curve: &Curve, tolerance: f64, edge: [u32; 2]) -> 
         found = stays;
     }
     match found[..] {
-        [] => Meets::Not,
+        [] => none,
         [x] => Meets::Once(x),
         _ => {
             let widest = found.windows(2).max_by(|v, w| (v[1].t - v[0].t).total_cmp(&(w[1].t - w[0].t)));
@@ -138,24 +144,53 @@ fn meets(parts: &Subdivision, curve: &Curve, tolerance: f64, edge: [u32; 2]) -> 
     }
 }
 
-/// Whether the curve bends within a face, whose three edges meet it so.
-fn bends(parts: &Subdivision, curve: &Curve, tolerance: f64, face: [u32; 3], edges: [Meets; 3]) -> bool {
-    let mut once = edges.iter().filter_map(|m| if let Meets::Once(x) = m { Some(x) } else { None });
-    if edges.iter().any(|m| matches!(m, Meets::Often(_))) {
-        return false;
-    }
-    match (once.next(), once.next(), once.next()) {
-        (Some(x), Some(y), None) => curve.strays(x, y, tolerance),
-        (None, ..) => {
+/// A bend of the curve within a face.
+struct Bend {
+    /// By how much, in picture heights.
+    by: f64,
+    /// What would help.
+    split: Split,
+}
+
+/// Whether the curve bends within a face of a part; its edges opposite the face's vertices meet it so.
+fn bend(
+    parts: &Subdivision,
+    curve: &Curve,
+    tolerance: f64,
+    part: &Part,
+    face: [u32; 3],
+    met: [Meets; 3],
+) -> Option<Bend> {
+    let at = |v: u32| parts.vertices[v as usize];
+    let halved = |by| Some(Bend { by, split: Split { edge: longest(parts, part), t: 0.5 } });
+    let (o, x, y) = match met {
+        [Meets::Not | Meets::Slightly, Meets::Once(x), Meets::Once(y)] => (0, x, y),
+        [Meets::Once(x), Meets::Not | Meets::Slightly, Meets::Once(y)] => (1, x, y),
+        [Meets::Once(x), Meets::Once(y), Meets::Not | Meets::Slightly] => (2, x, y),
+        [Meets::Not, Meets::Not, Meets::Not] => {
             // All of a closed stroke may lie within the face.
-            curve.loop_point(2.0 * tolerance).is_some_and(|p| {
-                let seen = face.map(|v| curve.see(parts.vertices[v as usize]).0);
-                let left = [0, 1, 2].map(|k| turn(seen[k], seen[(k + 1) % 3], p));
-                left.iter().all(|&x| x > 0.0) || left.iter().all(|&x| x < 0.0)
-            })
+            let point = curve.loop_point(2.0 * tolerance)?;
+            let seen = face.map(|v| curve.see(at(v)).0);
+            let left = [0, 1, 2].map(|k| turn(seen[k], seen[(k + 1) % 3], point));
+            let within = left.iter().all(|&x| x > 0.0) || left.iter().all(|&x| x < 0.0);
+            return if within { halved(1.0) } else { None };
         }
-        _ => false,
+        _ => return None,
+    };
+    let (by, worst) = curve.strays(&x, &y, tolerance)?;
+    // The edge that the curve does not cross is split where a line from the vertex opposite, through the place
+    // of the worst bend, meets it: then the curve is met exactly there. That takes far fewer tetrahedra
+    // than halving them down to the tolerance. Where it would make needles, they are halved.
+    let (a, b) = (face[(o + 1) % 3], face[(o + 2) % 3]);
+    let edge = [a.min(b), a.max(b)];
+    let whole = longest(parts, part).map(at);
+    let [p, q] = edge.map(at);
+    if p.distance(q) > 0.4 * whole[0].distance(whole[1]) {
+        if let Some(t) = curve.behind(p, q, at(face[o]), worst).filter(|t| (0.05..=0.95).contains(t)) {
+            return Some(Bend { by, split: Split { edge, t } });
+        }
     }
+    halved(by)
 }
 
 /// The longest edge of a part; of equal ones that with the least vertices.

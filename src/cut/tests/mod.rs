@@ -228,14 +228,18 @@ fn a_wavy_stroke_leaves_two_pieces() {
 #[test]
 fn a_closed_stroke_cuts_a_piece_out() {
     let whole = solid(6, true, 0.2, 4);
-    // The last one is far smaller than what is seen of a tetrahedron.
-    for (surface, share) in
-        [(star(20, 0.15, 0.15), 0.2), (star(9, 0.05, 0.3), 0.5), (star(5, 0.01, 0.02), 0.01)]
-    {
+    // The first leaves (1 − ρ²)^1.5 of a ball, for a hole of ρ radii; the last is far smaller than what is
+    // seen of a tetrahedron.
+    for (surface, least, most) in [
+        (star(20, 0.15, 0.15), 0.35, 0.45),
+        (star(9, 0.05, 0.25), 0.1, 0.5),
+        (star(5, 0.01, 0.02), 0.001, 0.01),
+    ] {
         let (pieces, report) = made(&whole, &surface);
         check(&whole, &whole, &pieces, &report);
         assert_eq!(pieces.len(), 2, "{report:?}");
-        assert!(report.volumes[1] < share * report.volumes[0] && report.volumes[1] > 0.0);
+        let share = report.volumes[1] / (report.volumes[0] + report.volumes[1]);
+        assert!(least < share && share < most, "{share}");
     }
 }
 
@@ -334,10 +338,8 @@ fn a_cut_that_cannot_be_made_says_why() {
         assert!(matches!(error(&bad), CutError::BadPlane { .. }));
     }
     assert!(matches!(error(&stroke([[0.0, 0.02], [1.0, 0.02]], false)), CutError::StrokeMisses { .. }));
-    assert!(
-        matches!(error(&star(4, 0.01, 0.01)), CutError::StrokeMisses { .. })
-            || star(4, 0.01, 0.01) != plane([0.0; 3], 0.0)
-    );
+    let beside = stroke([[0.02, 0.02], [0.1, 0.02], [0.02, 0.1]], true);
+    assert!(matches!(error(&beside), CutError::StrokeMisses { .. }));
     assert!(matches!(error(&star(9, 2.0, 2.0)), CutError::StrokeSurrounds { .. }));
     let crossed = stroke([[0.2, 0.2], [0.8, 0.8], [0.8, 0.2], [0.2, 0.8]], false);
     assert!(matches!(error(&crossed), CutError::Stroke(StrokeError::CrossesItself { .. })));
@@ -381,7 +383,7 @@ fn round_off_never_turns_a_tetrahedron_inside_out() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 1500, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn any_plane(seed in 0u64..1000, n in 2u32..5, ball: bool, jitter in 0.0..0.25f64,

@@ -1,5 +1,7 @@
 //! Lapped solids to cut, for tests and benches. Its `super` names the types that it uses.
 
+#![allow(unreachable_pub)] // the benches use it too
+
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -34,16 +36,16 @@ impl Draw {
 pub fn solid(n: u32, ball: bool, jitter: f64, seed: u64) -> LappedSolid {
     let mut draw = Draw::new(seed);
     let side = n + 1;
-    let mut vertices = Vec::new();
+    let (mut vertices, mut moves) = (Vec::new(), Vec::new());
     for i in 0..side.pow(3) {
         let grid = [i % side, i / side % side, i / side / side];
         let mut p = DVec3::from(grid.map(|g| 2.0 * f64::from(g) / f64::from(n) - 1.0));
-        if grid.iter().all(|&g| g > 0 && g < n) {
-            p += DVec3::new(draw.signed(), draw.signed(), draw.signed()) * (2.0 * jitter / f64::from(n));
-        }
         if ball && p != DVec3::ZERO {
             p *= p.abs().max_element() / p.length();
         }
+        let inner = grid.iter().all(|&g| g > 0 && g < n);
+        let reach = if inner { 2.0 * jitter / f64::from(n) } else { 0.0 };
+        moves.push(DVec3::new(draw.signed(), draw.signed(), draw.signed()) * reach);
         vertices.push(p);
     }
     let mut tets = Vec::new();
@@ -60,7 +62,13 @@ pub fn solid(n: u32, ball: bool, jitter: f64, seed: u64) -> LappedSolid {
         }
     }
     let count = tets.len();
-    let mesh = TetMesh::new(vertices, tets, |t, k| FaceOrigin::Input((4 * t + k) as u32)).unwrap();
+    // As far as no tetrahedron is turned inside out.
+    let mesh = (0..10)
+        .find_map(|half| {
+            let moved = vertices.iter().zip(&moves).map(|(p, m)| *p + *m * 0.5f64.powi(half)).collect();
+            TetMesh::new(moved, tets.clone(), |t, k| FaceOrigin::Input((4 * t + k) as u32)).ok()
+        })
+        .unwrap();
     let mut voxels = Vec::new();
     for _ in 0..512 {
         voxels.push([0; 3].map(|_: i32| (draw.unit() * 256.0) as u8));
