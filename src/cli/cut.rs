@@ -4,14 +4,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use lapis::cut::{CutSurface, cut};
-use lapis::lap::LappedSolid;
+use lapis::cut::{CutParams, CutSurface, cut};
 use lapis::project::{OutputError, OutputFolder, Report};
 use lapis::render::frame_all;
 use lapis::view::StrokeFile;
 
 use super::failure::Failure;
 use super::options::Shared;
+use super::read_model;
 use super::values;
 
 /// `lapis cut MODEL (--stroke FILE | --plane NX,NY,NZ,D) -o DIR`
@@ -31,6 +31,8 @@ pub(crate) struct Args {
     /// The folder of piece-1.lapis, piece-2.lapis, …, by falling volume
     #[arg(long, short, value_name = "DIR")]
     output: PathBuf,
+    #[command(flatten)]
+    params: CutParams,
     #[command(flatten)]
     shared: Shared,
 }
@@ -58,7 +60,7 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         let mut folder = OutputFolder::check(&args.output)?;
         let stroke = args.stroke.as_deref().map(StrokeFile::read).transpose()?;
         let start = Instant::now();
-        let solid = LappedSolid::read(&args.model)?;
+        let solid = read_model(&args.model)?;
         let mut report = Report::default();
         report.took("read", start);
 
@@ -73,9 +75,9 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
             (None, None) => return Err(Failure::usage("one of --stroke and --plane is needed")),
         };
         let what = format!("cannot cut {}", args.model.display());
-        let (pieces, made) = cut(&solid, &surface, session.exec()).map_err(Failure::because(what))?;
+        let (pieces, made) =
+            cut(&solid, &surface, &args.params, session.exec()).map_err(Failure::because(what))?;
         report.add(&made);
-        report.count("pieces", pieces.len());
         report.took("cut", start);
 
         let start = Instant::now();

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use lapis::export::{AtlasParams, glb, ply};
-use lapis::lap::LappedSolid;
+use lapis::export::{AtlasParams, PlyParams, glb, ply};
 use lapis::project::{ExportFormat, OutputFile, Report};
 
 use super::failure::Failure;
 use super::options::Shared;
+use super::read_model;
 
 /// `lapis export MODEL -o FILE.(glb|ply)`
 #[derive(Debug, clap::Args)]
@@ -21,6 +21,8 @@ pub(crate) struct Args {
     output: PathBuf,
     #[command(flatten)]
     atlas: AtlasParams,
+    #[command(flatten)]
+    ply: PlyParams,
     #[command(flatten)]
     shared: Shared,
 }
@@ -39,12 +41,12 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         let output = OutputFile::check(&args.output, args.shared.force)?;
         let mut report = Report::default();
         let start = Instant::now();
-        let solid = LappedSolid::read(&args.model)?;
+        let solid = read_model(&args.model)?;
         report.took("read", start);
         let start = Instant::now();
         let bytes = match format {
             ExportFormat::Glb => glb(&solid, &args.atlas, session.exec()),
-            ExportFormat::Ply => ply(&solid, session.exec()),
+            ExportFormat::Ply => ply(&solid, &args.ply, session.exec()),
         };
         let bytes = bytes.map_err(Failure::because(format!("cannot export {}", args.model.display())))?;
         report.took("export", start);

@@ -39,6 +39,8 @@ pub(crate) struct Args {
     tets: TetParams,
     #[command(flatten)]
     fill: FillParams,
+    #[command(flatten)]
+    depth: DepthParams,
     /// The filled model
     #[arg(long, short, value_name = "MODEL.lapis")]
     output: PathBuf,
@@ -52,7 +54,7 @@ impl Args {
             self.core.into_iter().map(|line| DepthStroke { points: line.0, depth: 1.0 }).collect();
         let depth = (!strokes.is_empty()).then(|| DepthInput {
             paint: DepthPaint { skin: Some(self.skin.unwrap_or(0.0)), strokes },
-            params: DepthParams::default(),
+            params: self.depth,
         });
         Part {
             mesh: self.mesh,

@@ -6,7 +6,7 @@ use glam::DVec3;
 use lapis::colour::encode;
 use lapis::files::read_whole;
 use lapis::lap::LappedSolid;
-use lapis::mesh::{FaceOrigin, TetMesh, TriMesh, clean, read_tets};
+use lapis::mesh::{FaceOrigin, TetLocator, TetMesh, TriMesh, clean, read_tets};
 use lapis::project::{Project, Report, is_tet_file};
 use lapis::view::{Camera, StrokeFile, read_camera};
 use lapis::volume::SolidTexture;
@@ -14,6 +14,7 @@ use serde_json::{Value, json};
 
 use super::failure::Failure;
 use super::options::{Session, Shared, table};
+use super::read_model;
 use super::values;
 
 /// `lapis info FILE`
@@ -89,7 +90,7 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
             Kind::Tets => tet_mesh(&mut report, &read_tets(path).map_err(Failure::because(what))?),
             Kind::Volume => volume(&mut report, &lapis::volume::read(path).map_err(Failure::because(what))?),
             Kind::Solid => {
-                let solid = LappedSolid::read(path).map_err(Failure::because(what))?;
+                let solid = read_model(path)?;
                 lapped_solid(&mut report, &solid, &args.at);
             }
             Kind::Project => project(&mut report, &Project::read(path)?),
@@ -149,7 +150,9 @@ fn tri_mesh(report: &mut Report, mesh: &TriMesh, session: &Session) -> Result<()
     // A mesh of which cleaning leaves nothing has no more to tell.
     match clean(mesh) {
         Ok((mesh, cleaned)) => {
-            report.add(&cleaned);
+            let mut cleaning = Report::default();
+            cleaning.add(&cleaned);
+            report.nest("cleaned", cleaning);
             report.measure("volume", mesh.volume());
             let defects = lapis::mesh::defects(&mesh, session.exec())?;
             report
@@ -206,14 +209,15 @@ fn lapped_solid(report: &mut Report, solid: &LappedSolid, at: &[DVec3]) {
     report.measure("layers_mean", mean);
     report.measure("settings", solid.settings.clone());
     if !at.is_empty() {
-        let points: Vec<Value> = at.iter().map(|&p| point(solid, p)).collect();
+        let locator = TetLocator::new(&solid.mesh);
+        let points: Vec<Value> = at.iter().map(|&p| point(solid, &locator, p)).collect();
         report.measure("at", points);
     }
 }
 
 /// What the model is at a point; only the point itself where it lies outside.
-fn point(solid: &LappedSolid, p: DVec3) -> Value {
-    let Some((tet, barycentric)) = solid.locate(p) else {
+fn point(solid: &LappedSolid, locator: &TetLocator, p: DVec3) -> Value {
+    let Some((tet, barycentric)) = locator.find(p) else {
         return json!({ "point": p.to_array(), "tet": null });
     };
     let depth: f64 =

@@ -14,12 +14,13 @@ mod values;
 
 use std::io::Write;
 use std::panic::{self, AssertUnwindSafe};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
 use failure::Failure;
+use lapis::lap::LappedSolid;
 
 #[derive(Debug, Parser)]
 #[command(name = "lapis", version, long_version = LONG_VERSION, about, max_term_width = 100)]
@@ -132,6 +133,11 @@ fn not_understood(e: &clap::Error) -> ExitCode {
     let text = text.strip_prefix("error: ").unwrap_or(&text);
     let _ = write!(std::io::stderr(), "lapis: {text}");
     ExitCode::from(2)
+}
+
+/// Reads a filled model, naming the file where it cannot be read.
+fn read_model(path: &Path) -> Result<LappedSolid, Failure> {
+    LappedSolid::read(path).map_err(Failure::because(format!("cannot read the model {}", path.display())))
 }
 
 #[cfg(test)]

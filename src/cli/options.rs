@@ -8,7 +8,7 @@ use std::time::Instant;
 use lapis::exec::{CancelToken, Exec};
 use lapis::mesh::Mesher;
 use lapis::project::Report;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use super::failure::Failure;
 use super::progress::Bars;
@@ -93,6 +93,7 @@ impl Session {
 
     /// Ends a command that succeeded: JSON on standard output if asked for, a summary on standard error.
     pub(crate) fn finish(&self, mut report: Report) -> Result<(), Failure> {
+        report.seconds.remove("total");
         report.took("total", self.started);
         if self.shared.json {
             let json = serde_json::to_string(&report).map_err(Failure::because("cannot write JSON"))?;
@@ -125,23 +126,29 @@ fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// A report for people: what it made, then what it counted and measured.
+/// A report for people: what it made, what they should know, the main numbers.
 fn summary(report: &Report) -> String {
     let mut text = String::new();
     for output in &report.outputs {
         text += &format!("wrote {}\n", output.path.display());
     }
-    for map in [&report.counts, &report.measures] {
-        table(&mut text, "  ", map);
+    for note in &report.notes {
+        text += &format!("note: {note}\n");
     }
-    if let Some(total) = report.seconds.get("total") {
-        text += &format!("done in {total} s\n");
+    // The numbers of single steps are left to --json and to report.json.
+    let main = |map: &Map<String, Value>| {
+        map.clone().into_iter().filter(|(_, v)| !v.is_object()).collect::<Map<String, Value>>()
+    };
+    table(&mut text, "  ", &main(&report.counts));
+    table(&mut text, "  ", &main(&report.measures));
+    if let Some(total) = report.seconds.get("total").and_then(Value::as_f64) {
+        text += &format!("done in {total:.1} s\n");
     }
     text
 }
 
 /// Lines `name  value`, with objects below their name.
-pub(crate) fn table(text: &mut String, indent: &str, map: &serde_json::Map<String, Value>) {
+pub(crate) fn table(text: &mut String, indent: &str, map: &Map<String, Value>) {
     let width = map.keys().map(String::len).max().unwrap_or(0);
     for (name, value) in map {
         match value {
@@ -183,9 +190,11 @@ mod tests {
         report.count("tets", 12);
         report.measure("layers_mean", 3.25);
         report.measure("deviation", 1e-9);
+        report.measure("cut", serde_json::json!({ "volume_error": 0 }));
+        report.notes.push("the mesh was cleaned".to_owned());
         assert_eq!(
             summary(&report),
-            "wrote a.lapis\n  tets  12\n  deviation    1.000e-9\n  layers_mean  3.25\n"
+            "wrote a.lapis\nnote: the mesh was cleaned\n  tets  12\n  deviation    1.000e-9\n  layers_mean  3.25\n"
         );
     }
 }

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use lapis::lap::LappedSolid;
 use lapis::project::{OutputFile, Report, apart};
 use lapis::render::{PictureSize, RenderParams, frame_all, render};
 use lapis::view::read_camera;
 
 use super::failure::Failure;
 use super::options::Shared;
+use super::read_model;
 
 /// `lapis render MODEL … -o PICTURE.png`
 #[derive(Debug, clap::Args)]
@@ -61,7 +61,7 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
 
         let mut report = Report::default();
         let start = Instant::now();
-        let solids = args.models.iter().map(|p| LappedSolid::read(p)).collect::<Result<Vec<_>, _>>()?;
+        let solids = args.models.iter().map(|p| read_model(p)).collect::<Result<Vec<_>, _>>()?;
         report.took("read", start);
         let start = Instant::now();
         let placed = apart(&solids.iter().collect::<Vec<_>>(), args.apart);

@@ -10,7 +10,7 @@ use super::part::{DepthInput, DirectionInput, ScaleInput};
 use super::plan::{Along, Cut, Model, Picture};
 use super::problem::ProjectProblem;
 use crate::cut::CutSurface;
-use crate::field::{DepthPaint, DepthStroke, DirectionStroke, ScaleAt};
+use crate::field::DepthPaint;
 use crate::render::RenderParams;
 use crate::view::{Camera, Stroke, StrokeFile};
 
@@ -88,13 +88,11 @@ pub(super) fn depth(table: DepthTable) -> Result<DepthInput, ProjectProblem> {
     if let Some(skin) = table.skin {
         check("depth.skin".to_owned(), skin)?;
     }
-    let mut strokes = Vec::new();
-    for (i, line) in table.stroke.into_iter().enumerate() {
+    for (i, line) in table.stroke.iter().enumerate() {
         check(format!("depth.stroke[{i}].depth"), line.depth)?;
         finite(&format!("depth.stroke[{i}].points"), &line.points)?;
-        strokes.push(DepthStroke { points: line.points, depth: line.depth });
     }
-    Ok(DepthInput { paint: DepthPaint { skin: table.skin, strokes }, params: table.fit })
+    Ok(DepthInput { paint: DepthPaint { skin: table.skin, strokes: table.stroke }, params: table.fit })
 }
 
 pub(super) fn direction(table: DirectionTable) -> Result<DirectionInput, ProjectProblem> {
@@ -107,12 +105,10 @@ pub(super) fn direction(table: DirectionTable) -> Result<DirectionInput, Project
         }
         (Some(v), true) => Ok(DirectionInput::Constant(v)),
         (None, false) => {
-            let mut strokes = Vec::new();
-            for (i, line) in table.stroke.into_iter().enumerate() {
+            for (i, line) in table.stroke.iter().enumerate() {
                 finite(&format!("direction.stroke[{i}].points"), &line.points)?;
-                strokes.push(DirectionStroke { points: line.points });
             }
-            Ok(DirectionInput::Strokes(strokes, table.smooth))
+            Ok(DirectionInput::Strokes(table.stroke, table.smooth))
         }
     }
 }
@@ -125,13 +121,11 @@ pub(super) fn scale(table: ScaleTable) -> Result<ScaleInput, ProjectProblem> {
         Err(ProjectProblem::Range { key, value, range: "a scale is a length greater than 0" })
     };
     check("scale.everywhere".to_owned(), table.everywhere)?;
-    let mut at = Vec::new();
-    for (i, s) in table.at.into_iter().enumerate() {
+    for (i, s) in table.at.iter().enumerate() {
         check(format!("scale.at[{i}].scale"), s.scale)?;
         finite(&format!("scale.at[{i}].point"), &[s.point])?;
-        at.push(ScaleAt { point: s.point, scale: s.scale });
     }
-    Ok(ScaleInput { everywhere: table.everywhere, at })
+    Ok(ScaleInput { everywhere: table.everywhere, at: table.at })
 }
 
 pub(super) fn cut(entry: CutEntry, folder: &Path, names: &Names) -> Result<Cut, ProjectProblem> {
@@ -165,7 +159,7 @@ pub(super) fn cut(entry: CutEntry, folder: &Path, names: &Names) -> Result<Cut, 
                 return Err(ProjectProblem::Choice { key, choice });
             }
             let along = Along::Surface(CutSurface::Plane { normal, offset });
-            return Ok(Cut { name, of, along });
+            return Ok(Cut { name, of, along, params: entry.params });
         }
         (None, Some(points), None) => {
             let points = points.into_iter().map(DVec2::from).collect();
@@ -190,7 +184,7 @@ pub(super) fn cut(entry: CutEntry, folder: &Path, names: &Names) -> Result<Cut, 
         Some(camera) => Along::Surface(CutSurface::Stroke { stroke, camera }),
         None => Along::Framed(stroke),
     };
-    Ok(Cut { name, of, along })
+    Ok(Cut { name, of, along, params: entry.params })
 }
 
 pub(super) fn picture(mut entry: PictureEntry, names: &Names) -> Result<Picture, ProjectProblem> {

@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::export::AtlasParams;
-use crate::field::{DepthParams, DirectionParams};
+use crate::cut::CutParams;
+use crate::export::{AtlasParams, PlyParams};
+use crate::field::{DepthParams, DepthStroke, DirectionParams, DirectionStroke, ScaleAt};
 use crate::lap::{FillParams, TextureType};
 use crate::mesh::TetParams;
 use crate::render::RenderParams;
@@ -63,17 +64,9 @@ pub(super) struct TextureTable {
 pub(super) struct DepthTable {
     pub(super) skin: Option<f64>,
     #[serde(default)]
-    pub(super) stroke: Vec<DepthLine>,
+    pub(super) stroke: Vec<DepthStroke>,
     #[serde(default)]
     pub(super) fit: DepthParams,
-}
-
-/// `[[depth.stroke]]`.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct DepthLine {
-    pub(super) depth: f64,
-    pub(super) points: Vec<DVec3>,
 }
 
 /// `[direction]`: where the texture's first axis runs.
@@ -82,16 +75,9 @@ pub(super) struct DepthLine {
 pub(super) struct DirectionTable {
     pub(super) constant: Option<DVec3>,
     #[serde(default)]
-    pub(super) stroke: Vec<DirectionLine>,
+    pub(super) stroke: Vec<DirectionStroke>,
     #[serde(default)]
     pub(super) smooth: DirectionParams,
-}
-
-/// `[[direction.stroke]]`.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct DirectionLine {
-    pub(super) points: Vec<DVec3>,
 }
 
 /// `[scale]`: how large the texture is.
@@ -100,15 +86,7 @@ pub(super) struct DirectionLine {
 pub(super) struct ScaleTable {
     pub(super) everywhere: f64,
     #[serde(default)]
-    pub(super) at: Vec<ScalePoint>,
-}
-
-/// `[[scale.at]]`.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct ScalePoint {
-    pub(super) point: DVec3,
-    pub(super) scale: f64,
+    pub(super) at: Vec<ScaleAt>,
 }
 
 /// `[[cut]]`: one cut, made in the order of the file.
@@ -135,6 +113,9 @@ pub struct CutEntry {
     /// The camera that the stroke was drawn under; left out, it frames what is cut.
     #[serde(default)]
     pub camera: Option<Camera>,
+    /// How exactly it is cut.
+    #[serde(default)]
+    pub params: CutParams,
 }
 
 fn whole() -> String {
@@ -177,11 +158,13 @@ pub struct ExportEntry {
     pub formats: Vec<ExportFormat>,
     /// How the GLB's texture is baked.
     pub atlas: AtlasParams,
+    /// How the PLY's vertices are made.
+    pub ply: PlyParams,
 }
 
 impl Default for ExportEntry {
     fn default() -> Self {
-        Self { formats: vec![ExportFormat::Glb], atlas: AtlasParams::default() }
+        Self { formats: vec![ExportFormat::Glb], atlas: AtlasParams::default(), ply: PlyParams::default() }
     }
 }
 

@@ -13,9 +13,12 @@ use crate::field::{
     ScaleError,
 };
 use crate::lap::{self, Fields, FillError, FillParams, LappedSolid, TextureType};
-use crate::mesh::{self, CleanError, MeshReadError, Mesher, TetError, TetFileError, TetMesh, TetParams};
+use crate::mesh::{
+    self, CleanError, CleanReport, MeshReadError, Mesher, TetError, TetFileError, TetMesh, TetParams,
+    TetReport,
+};
 use crate::project::Report;
-use crate::volume::{self, SolidTexture, VolumeReadError};
+use crate::volume::{self, VolumeReadError};
 
 /// All that makes one filled model.
 #[derive(Debug, Clone)]
@@ -91,21 +94,14 @@ pub enum PartError {
     #[error("the constant direction is zero or not finite")]
     NoDirection,
     /// A mesh file that cannot be read.
-    #[error("cannot read the mesh {}", path.display())]
-    Mesh {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: MeshReadError,
-    },
+    #[error(transparent)]
+    Mesh(#[from] MeshReadError),
     /// Tetrahedra that cannot be read.
-    #[error("cannot read the tetrahedra {}", path.display())]
-    TetFile {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: TetFileError,
-    },
+    #[error(transparent)]
+    TetFile(#[from] TetFileError),
+    /// A volume that cannot be read.
+    #[error(transparent)]
+    Volume(#[from] VolumeReadError),
     /// A surface of which nothing is left when it is cleaned.
     #[error("the mesh {} is no surface", path.display())]
     Clean {
@@ -121,14 +117,6 @@ pub enum PartError {
         path: PathBuf,
         /// Why.
         source: TetError,
-    },
-    /// A volume that cannot be read.
-    #[error("cannot read the volume {}", path.display())]
-    Volume {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: VolumeReadError,
     },
     /// No depth field comes of what is painted.
     #[error("cannot make the depth field")]
@@ -205,26 +193,69 @@ pub fn tet_mesh(
     let mut report = Report::default();
     let mut start = Instant::now();
     if is_tet_file(path) {
-        let mesh =
-            mesh::read_tets(path).map_err(|source| PartError::TetFile { path: path.to_owned(), source })?;
+        let mesh = mesh::read_tets(path)?;
         report.took("read", start);
         report.count("tetrahedra", mesh.tets.len());
         report.count("vertices", mesh.vertices.len());
         return Ok((mesh, report));
     }
-    let surface = mesh::read(path).map_err(|source| PartError::Mesh { path: path.to_owned(), source })?;
+    let surface = mesh::read(path)?;
     let (surface, cleaned) =
         mesh::clean(&surface).map_err(|source| PartError::Clean { path: path.to_owned(), source })?;
-    report.add(&cleaned);
+    let mut cleaning = Report::default();
+    cleaning.add(&cleaned);
+    report.nest("cleaned", cleaning);
+    report.notes.extend(cleaning_note(&cleaned));
     report.took("read", start);
     start = Instant::now();
     let (mesh, made) = mesh::tetrahedralise(&surface, params, mesher, exec)
         .map_err(|source| PartError::Tetrahedralise { path: path.to_owned(), source })?;
-    report.add(&made);
+    let mut making = Report::default();
+    making.add(&made);
+    report.nest("tetrahedralised", making);
+    report.notes.extend(making_notes(&made));
     report.count("tetrahedra", mesh.tets.len());
     report.count("vertices", mesh.vertices.len());
     report.took("tetrahedralise", start);
     Ok((mesh, report))
+}
+
+/// What cleaning changed; nothing for a mesh that was clean.
+fn cleaning_note(cleaned: &CleanReport) -> Option<String> {
+    let changes: Vec<String> = [
+        (cleaned.welded, "vertices welded"),
+        (cleaned.degenerate, "triangles without area dropped"),
+        (cleaned.duplicate, "duplicate triangles dropped"),
+        (cleaned.back_to_back, "triangles back to back dropped"),
+        (cleaned.split, "triangles split"),
+        (cleaned.flipped, "triangles turned over"),
+    ]
+    .into_iter()
+    .filter(|(n, _)| *n > 0)
+    .map(|(n, what)| format!("{n} {what}"))
+    .collect();
+    (!changes.is_empty()).then(|| format!("the mesh was cleaned: {}", changes.join(", ")))
+}
+
+/// How the tetrahedra differ from what was asked for.
+fn making_notes(made: &TetReport) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some(s) = &made.simplified {
+        notes.push(format!(
+            "the surface was simplified from {} to {} triangles and strays by at most {:.1} % of its diagonal; \
+             --keep-surface (keep_surface = true) forbids that, more --tets need less of it",
+            s.before,
+            s.after,
+            s.deviation_of_diagonal * 100.0
+        ));
+    }
+    if !made.within_tolerance {
+        notes.push(format!(
+            "{} tetrahedra were asked for and {} made: the surface allows no nearer number",
+            made.asked, made.tetrahedra
+        ));
+    }
+    notes
 }
 
 /// Whether a file's name says that it holds tetrahedra.
@@ -247,12 +278,12 @@ pub fn fill_part(
     part.check()?;
     // The quick things first, so that a wrong file name does not wait for the tetrahedra.
     let start = Instant::now();
-    let texture = read_volume(&part.volume)?;
+    let texture = volume::read(&part.volume)?;
     exec.check()?;
     let (mesh, mut report) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
     report.took("read", start);
     let start = Instant::now();
-    let fields = fields(part, &mesh, exec)?;
+    let fields = fields(part, &mesh, &mut report, exec)?;
     report.took("fields", start);
     let start = Instant::now();
     let (solid, filled) = lap::fill(mesh, Arc::new(texture), part.kind, &fields, &part.fill, seed, exec)
@@ -262,17 +293,16 @@ pub fn fill_part(
     Ok((solid, report))
 }
 
-fn read_volume(path: &Path) -> Result<SolidTexture, PartError> {
-    volume::read(path).map_err(|source| PartError::Volume { path: path.to_owned(), source })
-}
-
-fn fields(part: &Part, mesh: &TetMesh, exec: &Exec) -> Result<Fields, PartError> {
+fn fields(part: &Part, mesh: &TetMesh, report: &mut Report, exec: &Exec) -> Result<Fields, PartError> {
     let depth = match &part.depth {
         Some(input) => {
             Some(field::depth_field(mesh, &input.paint, &input.params, exec).map_err(PartError::Depth)?)
         }
         None => None,
     };
+    if let Some(depth) = &depth {
+        report.section("depth_field", &depth.report);
+    }
     let direction = match &part.direction {
         Some(DirectionInput::Constant(v)) => {
             let unit = v.try_normalize().ok_or(PartError::NoDirection)?;

@@ -7,7 +7,7 @@ use super::file::{ExportEntry, PictureEntry, ProjectFile};
 use super::part::Part;
 use super::problem::{ProjectError, ProjectProblem};
 use super::unknown::complaint;
-use crate::cut::CutSurface;
+use crate::cut::{CutParams, CutSurface};
 use crate::files::read_whole;
 use crate::mesh::TetParams;
 use crate::view::Stroke;
@@ -40,6 +40,8 @@ pub struct Cut {
     pub of: Model,
     /// Along what.
     pub along: Along,
+    /// How exactly.
+    pub params: CutParams,
 }
 
 /// Along what a project cuts.

@@ -28,6 +28,9 @@ pub struct Report {
     pub measures: Map<String, Value>,
     /// Wall-clock seconds of each step. The only part that differs between two equal runs.
     pub seconds: Map<String, Value>,
+    /// What a person should be told: what cleaning changed, what was not possible as asked.
+    #[serde(skip)]
+    pub notes: Vec<String>,
 }
 
 impl Report {
@@ -62,6 +65,13 @@ impl Report {
         }
     }
 
+    /// Adds a room's own report as one measure: an object of that name.
+    pub fn section(&mut self, name: &str, room: &impl Serialize) {
+        if let Ok(value) = serde_json::to_value(room) {
+            self.measures.insert(name.to_owned(), value);
+        }
+    }
+
     fn sort_in(&mut self, fields: Map<String, Value>) {
         for (name, value) in fields {
             match (name.as_str(), value) {
@@ -74,6 +84,7 @@ impl Report {
                     self.counts.insert(name, value);
                 }
                 (_, Value::Null) => {}
+                (_, Value::Array(list)) if list.is_empty() => {}
                 (_, value) => {
                     self.measures.insert(name, value);
                 }
@@ -85,6 +96,7 @@ impl Report {
     /// become the objects `counts.name` and `measures.name`; its outputs and times are joined to ours.
     pub fn nest(&mut self, name: &str, part: Report) {
         self.outputs.extend(part.outputs);
+        self.notes.extend(part.notes);
         if !part.counts.is_empty() {
             self.counts.insert(name.to_owned(), Value::Object(part.counts));
         }

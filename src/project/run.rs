@@ -175,10 +175,9 @@ impl Work<'_> {
                 }
             };
             let failed = |source| RunError::Cut { name: planned.name.clone(), source };
-            let (pieces, made) = cut(solid, &surface, exec).map_err(failed)?;
+            let (pieces, made) = cut(solid, &surface, &planned.params, exec).map_err(failed)?;
             let mut report = Report::default();
             report.add(&made);
-            report.count("pieces", pieces.len());
             report.took("cut", start);
             self.report.nest(&planned.name, report);
             for (i, piece) in pieces.into_iter().enumerate() {
@@ -197,7 +196,7 @@ impl Work<'_> {
             let name = format!("{stem}.{}", format.extension());
             let bytes = match format {
                 ExportFormat::Glb => glb(solid, &self.project.export.atlas, exec),
-                ExportFormat::Ply => ply(solid, exec),
+                ExportFormat::Ply => ply(solid, &self.project.export.ply, exec),
             };
             let bytes = bytes.map_err(|source| RunError::Export { name: name.clone(), source })?;
             self.put(name, format.extension(), &bytes)?;
