@@ -16,11 +16,6 @@ mod tetrahedralise;
 mod tri;
 mod write;
 
-pub use defects::{
-    AtEdge, AtTriangle, AtVertex, Crossing, Defects, Found, Hole, MAX_CROSSINGS, PLACES, defects,
-};
-pub use locate::TetLocator;
-pub use mesher::{Mesher, MesherError, MesherLimits, tetgen_helper};
 pub use clean::{CleanError, CleanReport, WELD_TOLERANCE, clean};
 pub use defects::{
     AtEdge, AtTriangle, AtVertex, Crossing, Defects, Found, Hole, MAX_CROSSINGS, PLACES, defects,
