@@ -166,9 +166,7 @@ impl Stroke {
         }
         match found {
             None => Ok(()),
-            Some(([k, l], at)) => {
-                Err(StrokeError::CrossesItself { first: name(k), second: name(l), at })
-            }
+            Some(([k, l], at)) => Err(StrokeError::CrossesItself { first: name(k), second: name(l), at }),
         }
     }
 }
@@ -266,8 +264,7 @@ mod tests {
         for _ in 0..300 {
             let p: Vec<DVec2> = (0..5).map(|_| DVec2::new(draw(), draw())).collect();
             let s = Stroke { points: p, closed: false };
-            let brute =
-                (0..4).any(|k| (k + 2..4).any(|l| meeting(s.segment(k), s.segment(l)).is_some()));
+            let brute = (0..4).any(|k| (k + 2..4).any(|l| meeting(s.segment(k), s.segment(l)).is_some()));
             match s.cleaned() {
                 Ok(s) => assert!(!brute || s.closed || s.points.len() < 5),
                 Err(StrokeError::CrossesItself { .. }) => {

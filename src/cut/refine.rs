@@ -1,0 +1,231 @@
+//! Smaller tetrahedra where a stroke does more than pass straight through.
+
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+
+use super::curve::{Crossing, Curve};
+use super::subdivide::{Part, Split, Subdivision, edges};
+use crate::exec::{Cancelled, Exec};
+use crate::mesh::TET_FACES;
+use crate::view::turn;
+
+/// Rounds of bisection at most. Each halves what is too long, so a few suffice for any drawn stroke.
+const ROUNDS: usize = 40;
+
+/// What an edge has to do with the curve.
+#[derive(Debug, Clone, Copy)]
+enum Meets {
+    /// The curve does not cross it.
+    Not,
+    /// It does, but only for an excursion too slight to follow.
+    Slightly,
+    /// The curve crosses it once.
+    Once(Crossing),
+    /// The curve crosses it more often; a vertex here would lie between two of the crossings.
+    Often(f64),
+}
+
+/// Bisects tetrahedra until marching them follows the curve to the tolerance, in picture heights:
+/// no edge is crossed twice, and within a face the curve hardly bends.
+///
+/// Where each edge is crossed at most once, the curve enters and leaves each face at most once, by different
+/// edges: so the cut through the tetrahedra hangs together just as the stroke does, and a stroke that
+/// crosses the model once leaves two pieces. Excursions thinner or shallower than the tolerance are overlooked.
+///
+/// Returns the number of edges and faces that were given up, when there would be too many tetrahedra.
+pub(super) fn refine(
+    parts: &mut Subdivision,
+    curve: &Curve,
+    tolerance: f64,
+    exec: &Exec,
+) -> Result<usize, Cancelled> {
+    let most = 4 * parts.parts.len() + 20_000;
+    let mut given_up: Vec<[u32; 2]> = Vec::new();
+    let mut active: Vec<u32> = (0..parts.parts.len() as u32).collect();
+    for round in 0.. {
+        exec.check()?;
+        active = active
+            .into_par_iter()
+            .with_min_len(1024)
+            .filter(|&i| curve.near(parts.corners(&parts.parts[i as usize])))
+            .collect();
+        let mut splits = wanted(parts, curve, tolerance, &active);
+        splits.retain(|s| given_up.binary_search(&s.edge).is_err());
+        if splits.is_empty() {
+            break;
+        }
+        if round == ROUNDS || parts.parts.len() > most {
+            return Ok(given_up.len() + splits.len());
+        }
+        active = loop {
+            match parts.split(&splits) {
+                Ok(changed) => break changed,
+                Err(bad) => {
+                    // A tetrahedron that is flat already cannot be made smaller.
+                    given_up.extend(bad.iter().map(|&i| splits[i as usize].edge));
+                    given_up.sort_unstable();
+                    splits.retain(|s| given_up.binary_search(&s.edge).is_err());
+                }
+            }
+        };
+    }
+    Ok(given_up.len())
+}
+
+/// The edges that should be split, sorted and each once.
+fn wanted(parts: &Subdivision, curve: &Curve, tolerance: f64, active: &[u32]) -> Vec<Split> {
+    let part = |i: &u32| &parts.parts[*i as usize];
+    let mut all: Vec<[u32; 2]> = active.iter().flat_map(|i| edges(part(i).vertices)).collect();
+    all.par_sort_unstable();
+    all.dedup();
+    let meets: Vec<Meets> =
+        all.par_iter().with_min_len(256).map(|e| meets(parts, curve, tolerance, *e)).collect();
+    let look = |a: u32, b: u32| {
+        let edge = [a.min(b), a.max(b)];
+        all.binary_search(&edge).map_or(Meets::Not, |at| meets[at])
+    };
+    let mut bends: Vec<Bend> = active
+        .par_iter()
+        .with_min_len(256)
+        .flat_map_iter(|i| {
+            let part = part(i);
+            let faces = TET_FACES.iter().filter_map(move |face| {
+                let f = face.map(|k| part.vertices[k]);
+                // By the vertex opposite.
+                let met = [look(f[1], f[2]), look(f[2], f[0]), look(f[0], f[1])];
+                bend(parts, curve, tolerance, part, f, met)
+            });
+            let met = edges(part.vertices).map(|[a, b]| look(a, b));
+            faces.chain(inner_bend(parts, curve, tolerance, part, met))
+        })
+        .collect();
+    // Of several faces that would split an edge at different places, that with the sharpest bend decides.
+    let place = |a: &Bend, b: &Bend| b.by.total_cmp(&a.by).then(a.split.t.total_cmp(&b.split.t));
+    bends.par_sort_unstable_by(|a, b| a.split.edge.cmp(&b.split.edge).then(place(a, b)));
+    bends.dedup_by_key(|b| b.split.edge);
+    let mut splits: Vec<Split> = bends.into_iter().map(|b| b.split).collect();
+    splits.retain(|s| !matches!(look(s.edge[0], s.edge[1]), Meets::Often(_)));
+    splits.extend(all.iter().zip(&meets).filter_map(|(edge, m)| match m {
+        Meets::Often(t) => Some(Split::at(*edge, *t)),
+        _ => None,
+    }));
+    splits.sort_unstable_by_key(|s| s.edge);
+    splits
+}
+
+fn meets(parts: &Subdivision, curve: &Curve, tolerance: f64, edge: [u32; 2]) -> Meets {
+    let [a, b] = edge.map(|v| parts.vertices[v as usize]);
+    let mut found = Vec::new();
+    curve.crossings(a, b, &mut found);
+    let none = if found.is_empty() { Meets::Not } else { Meets::Slightly };
+    curve.drop_slight(&mut found, tolerance);
+    match found[..] {
+        [] => none,
+        [x] => Meets::Once(x),
+        _ => {
+            let widest = found.windows(2).max_by(|v, w| (v[1].t - v[0].t).total_cmp(&(w[1].t - w[0].t)));
+            Meets::Often(widest.map_or(0.5, |w| 0.5 * (w[0].t + w[1].t)))
+        }
+    }
+}
+
+/// A bend of the curve within a face.
+struct Bend {
+    /// By how much, in picture heights.
+    by: f64,
+    /// What would help.
+    split: Split,
+}
+
+/// Whether the curve bends within a face of a part; its edges opposite the face's vertices meet it so.
+fn bend(
+    parts: &Subdivision,
+    curve: &Curve,
+    tolerance: f64,
+    part: &Part,
+    face: [u32; 3],
+    met: [Meets; 3],
+) -> Option<Bend> {
+    let at = |v: u32| parts.vertices[v as usize];
+    let halved = |by| Some(Bend { by, split: Split::at(longest(parts, edges(part.vertices)), 0.5) });
+    let (o, x, y) = match met {
+        [Meets::Not | Meets::Slightly, Meets::Once(x), Meets::Once(y)] => (0, x, y),
+        [Meets::Once(x), Meets::Not | Meets::Slightly, Meets::Once(y)] => (1, x, y),
+        [Meets::Once(x), Meets::Once(y), Meets::Not | Meets::Slightly] => (2, x, y),
+        [Meets::Not, Meets::Not, Meets::Not] => {
+            // All of a closed stroke may lie within the face.
+            let point = curve.loop_point(2.0 * tolerance)?;
+            return if encloses(curve, face.map(at), point) { halved(1.0) } else { None };
+        }
+        _ => return None,
+    };
+    let (by, worst) = curve.strays(&x, &y, tolerance)?;
+    if curve.straight(&x, &y, tolerance) {
+        return None;
+    }
+    // The edge that the curve does not cross is split where a line from the vertex opposite, through the place
+    // of the worst bend, meets it: then the curve is met exactly there. That takes far fewer tetrahedra
+    // than halving them down to the tolerance; they are halved where it would make needles.
+    let (a, b) = (face[(o + 1) % 3], face[(o + 2) % 3]);
+    let edge = [a.min(b), a.max(b)];
+    let whole = longest(parts, edges(part.vertices));
+    if length_squared(parts, edge) > 0.01 * length_squared(parts, whole) {
+        let margin = if encloses(curve, face.map(at), worst) { 0.02 } else { 0.1 };
+        let t = curve.behind(at(edge[0]), at(edge[1]), at(face[o]), worst);
+        if let Some(t) = t.filter(|t| (margin..=1.0 - margin).contains(t)) {
+            return Some(Bend { by, split: Split::at(edge, t) });
+        }
+    }
+    halved(by)
+}
+
+/// Whether a point of the screen lies within what is seen of a face.
+fn encloses(curve: &Curve, face: [DVec3; 3], p: DVec2) -> bool {
+    let seen = face.map(|v| curve.see(v).0);
+    let left = [0, 1, 2].map(|k| turn(seen[k], seen[(k + 1) % 3], p));
+    left.iter().all(|&x| x > 0.0) || left.iter().all(|&x| x < 0.0)
+}
+
+/// Whether the curve bends away from the diagonal of a quadrilateral that it cuts out of a part; the part's
+/// edges meet it so.
+fn inner_bend(
+    parts: &Subdivision,
+    curve: &Curve,
+    tolerance: f64,
+    part: &Part,
+    met: [Meets; 6],
+) -> Option<Bend> {
+    let all = edges(part.vertices);
+    // Edge k lies opposite edge 5 - k: a quadrilateral misses two opposite ones.
+    let missed = (0..3).find(|&k| !matches!((met[k], met[5 - k]), (Meets::Once(_), Meets::Once(_))))?;
+    let [k, l] = match missed {
+        0 => [1, 2],
+        1 => [0, 2],
+        _ => [0, 1],
+    };
+    let (Meets::Once(a), Meets::Once(b)) = (met[k], met[5 - k]) else { return None };
+    let (Meets::Once(c), Meets::Once(d)) = (met[l], met[5 - l]) else { return None };
+    // The diagonal starts where the first of the four edges will be split.
+    let rank = |k: usize, x: &Crossing| (curve.sharpness(x, tolerance), length_squared(parts, all[k]));
+    let ends = [(k, a), (5 - k, b), (l, c), (5 - l, d)].map(|(k, x)| (rank(k, &x), all[k], k));
+    let first = ends
+        .into_iter()
+        .max_by(|x, y| x.0.0.total_cmp(&y.0.0).then(x.0.1.total_cmp(&y.0.1)).then(y.1.cmp(&x.1)))?;
+    let (x, y) = if first.2 == k || first.2 == 5 - k { (a, b) } else { (c, d) };
+    let (by, _) = curve.strays(&x, &y, tolerance)?;
+    if curve.straight(&x, &y, tolerance) {
+        return None;
+    }
+    Some(Bend { by, split: Split::at(longest(parts, all), 0.5) })
+}
+
+/// The longest of some edges; of equal ones that with the least vertices.
+fn longest<const N: usize>(parts: &Subdivision, all: [[u32; 2]; N]) -> [u32; 2] {
+    let length = |e: &[u32; 2]| length_squared(parts, *e);
+    all.into_iter().max_by(|x, y| length(x).total_cmp(&length(y)).then(y.cmp(x))).unwrap_or(all[0])
+}
+
+fn length_squared(parts: &Subdivision, edge: [u32; 2]) -> f64 {
+    let [a, b] = edge.map(|v| parts.vertices[v as usize]);
+    (b - a).length_squared()
+}
