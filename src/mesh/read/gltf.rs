@@ -252,10 +252,7 @@ fn join(
         let p = scene_from_node.transform_point3(*p);
         if !p.is_finite() {
             let vertex = mesh.vertices.len() - first as usize;
-            let what = format!(
-                "{name}: vertex {vertex} (the first is 0) has a coordinate that is not a finite number"
-            );
-            return Err(MeshFault::malformed(Place::Whole, what));
+            return Err(MeshFault::NotFinite { place: place(), vertex, first: 0 });
         }
         mesh.vertices.push(p);
     }

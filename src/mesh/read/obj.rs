@@ -86,6 +86,7 @@ mod tests {
             "f 1//-7 2//1 3//1 4//1",
             "f -4/-9/1 -3 -2 -1",
             "f 1 2 \\\n 3 4",
+            "f 1 2 3 4 # all",
         ];
         for f in faces {
             let mesh =

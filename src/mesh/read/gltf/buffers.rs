@@ -13,16 +13,16 @@ use super::{MeshFault, Place};
 use crate::files;
 
 /// Loads every buffer; each has at least the bytes that it promises.
-pub(super) fn load(
+pub(super) fn load<'a>(
     document: &Document,
-    blob: Option<&[u8]>,
+    blob: Option<&'a [u8]>,
     folder: &Path,
-) -> Result<Vec<Vec<u8>>, MeshFault> {
+) -> Result<Vec<Cow<'a, [u8]>>, MeshFault> {
     let mut buffers = Vec::new();
     for buffer in document.buffers() {
         let fault =
             |what: String| MeshFault::malformed(Place::Whole, format!("buffer {}: {what}", buffer.index()));
-        let bytes = match buffer.source() {
+        let bytes: Cow<'a, [u8]> = match buffer.source() {
             Source::Bin => match blob {
                 Some(blob) if buffer.index() == 0 => blob.into(),
                 _ => return Err(fault("it names no file, and there is no binary chunk for it".to_owned())),
