@@ -10,40 +10,40 @@ use std::process::{Command, Output};
 use tempfile::TempDir;
 
 /// A fresh folder that the program runs in.
-pub struct Bench {
+pub(crate) struct Bench {
     dir: TempDir,
 }
 
 impl Bench {
     /// An empty one.
-    pub fn empty() -> Self {
+    pub(crate) fn empty() -> Self {
         Self { dir: tempfile::tempdir().unwrap() }
     }
 
     /// With a ball, `ball.obj`, and a volume, `volume.nrrd`.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let bench = Self::empty();
         bench.file("ball.obj", ball(8, 12));
         bench.file("volume.nrrd", volume(16));
         bench
     }
 
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.dir.path().join(name)
     }
 
-    pub fn file(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
+    pub(crate) fn file(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
         let path = self.path(name);
         fs::write(&path, bytes).unwrap();
         path
     }
 
-    pub fn read(&self, name: &str) -> Vec<u8> {
+    pub(crate) fn read(&self, name: &str) -> Vec<u8> {
         fs::read(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
 
     /// All names in the folder, and below it, sorted.
-    pub fn names(&self) -> Vec<String> {
+    pub(crate) fn names(&self) -> Vec<String> {
         fn below(folder: &Path, prefix: &str, all: &mut Vec<String>) {
             for entry in fs::read_dir(folder).unwrap() {
                 let entry = entry.unwrap();
@@ -61,57 +61,57 @@ impl Bench {
     }
 
     /// The program, to be run in this folder.
-    pub fn command(&self, arguments: &str) -> Command {
+    pub(crate) fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(assert_cmd::cargo::cargo_bin!("lapis"));
         command.args(arguments.split_whitespace()).current_dir(self.dir.path()).env_remove("LAPIS_TETGEN");
         command
     }
 
-    pub fn run(&self, arguments: &str) -> Done {
+    pub(crate) fn run(&self, arguments: &str) -> Done {
         Done { output: self.command(arguments).output().unwrap(), arguments: arguments.to_owned() }
     }
 
     /// Runs it and expects success.
-    pub fn ok(&self, arguments: &str) -> Done {
+    pub(crate) fn ok(&self, arguments: &str) -> Done {
         let done = self.run(arguments);
         assert_eq!(done.code(), 0, "lapis {arguments}\n{}", done.err());
         done
     }
 
     /// A filled ball, `m.lapis`, of type 1a.
-    pub fn filled(&self) -> &Self {
+    pub(crate) fn filled(&self) -> &Self {
         self.ok("fill ball.obj --texture volume.nrrd --type 1a --direction 0,0,1 --scale 0.8 --tets 600 -o m.lapis");
         self
     }
 }
 
 /// How a run ended.
-pub struct Done {
+pub(crate) struct Done {
     output: Output,
     arguments: String,
 }
 
 impl Done {
     /// The exit code; a signal counts as −1.
-    pub fn code(&self) -> i32 {
+    pub(crate) fn code(&self) -> i32 {
         self.output.status.code().unwrap_or(-1)
     }
 
-    pub fn out(&self) -> String {
+    pub(crate) fn out(&self) -> String {
         String::from_utf8(self.output.stdout.clone()).unwrap()
     }
 
-    pub fn err(&self) -> String {
+    pub(crate) fn err(&self) -> String {
         String::from_utf8(self.output.stderr.clone()).unwrap()
     }
 
-    pub fn json(&self) -> serde_json::Value {
+    pub(crate) fn json(&self) -> serde_json::Value {
         serde_json::from_str(&self.out()).unwrap_or_else(|e| panic!("lapis {}: {e}", self.arguments))
     }
 
     /// It failed as it should: one block on standard error that says `words`, the exit code, nothing on
     /// standard output, and no panic.
-    pub fn refused(&self, code: i32, words: &[&str]) {
+    pub(crate) fn refused(&self, code: i32, words: &[&str]) {
         let (err, arguments) = (self.err(), &self.arguments);
         assert_eq!(self.code(), code, "lapis {arguments}\n{err}");
         assert!(err.starts_with("lapis: "), "lapis {arguments}\n{err}");
@@ -125,7 +125,7 @@ impl Done {
 }
 
 /// A ball of radius 1 as OBJ: `rings` of `around` vertices each, and two poles.
-pub fn ball(rings: usize, around: usize) -> String {
+pub(crate) fn ball(rings: usize, around: usize) -> String {
     let mut text = String::from("v 0 0 1\n");
     for i in 1..=rings {
         let (s, c) = (TAU / 2.0 * i as f64 / (rings + 1) as f64).sin_cos();
@@ -149,7 +149,7 @@ pub fn ball(rings: usize, around: usize) -> String {
 }
 
 /// A volume of `n`³ voxels as NRRD, tiling along all axes: stripes along x of a colour that changes with y.
-pub fn volume(n: usize) -> Vec<u8> {
+pub(crate) fn volume(n: usize) -> Vec<u8> {
     let mut bytes = format!(
         "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 4 {n} {n} {n}\nkinds: RGBA-color space space space\n\
          encoding: raw\nlapis_tiles:=xyz\n\n"
