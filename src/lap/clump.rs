@@ -497,9 +497,15 @@ impl<'a> Clump<'a> {
             pasted.fit.cut_edge += area * mask_on_face(self.mask, &face, 16.0 / 255.0);
             if std::env::var("DBG").is_ok() {
                 let w = self.work.tet[_n as usize];
-                let kind = if w == REJECTED { if self.frames.agreement(_n as usize) < self.agreement { "angle" } else { "bad" } } else if w == NONE { "none" } else { "slit" };
+                let kind = if w == REJECTED {
+                    if self.frames.agreement(_n as usize) < self.agreement { "angle" } else { "bad" }
+                } else if w == NONE {
+                    "none"
+                } else {
+                    "slit"
+                };
                 let d = face[0][1].max(face[1][1]).max(face[2][1]);
-                let r = (a+b+c)/3.0;
+                let r = (a + b + c) / 3.0;
                 let cut = area * mask_on_face(self.mask, &face, 16.0 / 255.0);
                 eprintln!("EDGE {kind} {d:.2} {:.1} {:.1} {cut:.2}", r.truncate().length(), r.z.abs());
             }
