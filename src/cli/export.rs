@@ -38,6 +38,7 @@ fn format(path: &Path) -> Result<ExportFormat, Failure> {
 pub(crate) fn main(args: &Args) -> Result<(), Failure> {
     args.shared.run(|session| {
         let format = format(&args.output)?;
+        args.atlas.validate().map_err(|e| Failure::usage(e.to_string()))?;
         let output = OutputFile::check(&args.output, args.shared.force)?;
         let mut report = Report::default();
         let start = Instant::now();

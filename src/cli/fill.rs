@@ -78,6 +78,10 @@ pub(crate) fn main(args: Args) -> Result<(), Failure> {
             PartError::Needs { .. } | PartError::Takes { .. } => Failure::usage(e.to_string()),
             e => e.into(),
         })?;
+        if let Some((key, value, range)) = part.fill.fault() {
+            let option = key.replace('_', "-");
+            return Err(Failure::usage(format!("--{option} {value}: it must be {range}")));
+        }
         let output = OutputFile::check(&output, shared.force)?;
         let (solid, mut report) =
             fill_part(&part, shared.seed.unwrap_or(0), &Session::mesher(), session.exec())?;

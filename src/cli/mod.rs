@@ -17,7 +17,7 @@ use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use failure::Failure;
 use lapis::lap::LappedSolid;
@@ -76,10 +76,19 @@ const LONG_VERSION: &str = concat!(
     "LAPIS_TETGEN."
 );
 
+/// The definition of the command line. Every option takes a negative number: whether that makes sense is
+/// for the option to say.
+fn command() -> clap::Command {
+    Cli::command().mut_subcommands(|c| {
+        c.mut_args(|a| if a.get_action().takes_values() { a.allow_negative_numbers(true) } else { a })
+    })
+}
+
 /// Parses the command line, runs it, and says how it went: 0, 1 for a failure, 2 for a wrong command
 /// line, 130 after Ctrl-C.
 pub(crate) fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let parsed = command().try_get_matches().and_then(|m| Cli::from_arg_matches(&m));
+    let cli = match parsed {
         Ok(cli) => cli,
         Err(e) => return not_understood(&e),
     };
@@ -142,10 +151,8 @@ fn read_model(path: &Path) -> Result<LappedSolid, Failure> {
 
 #[cfg(test)]
 mod tests {
-    use clap::CommandFactory;
-
     #[test]
     fn the_definition_holds_together() {
-        super::Cli::command().debug_assert();
+        super::command().debug_assert();
     }
 }

@@ -5,12 +5,13 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use super::file::{CutEntry, DepthTable, DirectionTable, PictureEntry, ScaleTable};
+use super::file::{CutEntry, DepthTable, DirectionTable, ExportEntry, PictureEntry, ScaleTable};
 use super::part::{DepthInput, DirectionInput, ScaleInput};
 use super::plan::{Along, Cut, Model, Picture};
 use super::problem::ProjectProblem;
 use crate::cut::CutSurface;
 use crate::field::DepthPaint;
+use crate::lap::FillParams;
 use crate::render::RenderParams;
 use crate::view::{Camera, Stroke, StrokeFile};
 
@@ -58,7 +59,6 @@ impl Names {
 pub(super) fn checked_name(key: &str, name: String) -> Result<String, ProjectProblem> {
     let good = !name.is_empty()
         && name.len() <= 100
-        && name != "whole"
         && name.chars().all(|c| c.is_alphanumeric() || c == '-' || c == '_');
     if good { Ok(name) } else { Err(ProjectProblem::Name { key: key.to_owned(), name }) }
 }
@@ -130,6 +130,10 @@ pub(super) fn scale(table: ScaleTable) -> Result<ScaleInput, ProjectProblem> {
 
 pub(super) fn cut(entry: CutEntry, folder: &Path, names: &Names) -> Result<Cut, ProjectProblem> {
     let name = checked_name("cut.name", entry.name)?;
+    if name == "whole" {
+        let choice = "'whole' is the uncut model; choose another name";
+        return Err(ProjectProblem::Choice { key: "cut 'whole'".to_owned(), choice });
+    }
     let key = format!("cut '{name}'");
     let of = names.find(&format!("{key}: of"), &entry.of)?;
     if matches!(of, Model::Pieces { .. }) {
@@ -219,6 +223,17 @@ pub(super) fn picture(mut entry: PictureEntry, names: &Names) -> Result<Picture,
         .validate()
         .map_err(|source| ProjectProblem::Render { key: format!("{key}: render"), source })?;
     Ok(Picture { show, entry })
+}
+
+/// The settings of single steps that can be checked before any work.
+pub(super) fn settings(fill: &FillParams, export: &ExportEntry) -> Result<(), ProjectProblem> {
+    if let Some((key, value, range)) = fill.fault() {
+        return Err(ProjectProblem::Range { key: format!("fill.{key}"), value, range });
+    }
+    export
+        .atlas
+        .validate()
+        .map_err(|source| ProjectProblem::Export { key: "export.atlas".to_owned(), source })
 }
 
 /// Where a file asks for no pictures: the whole, and the pieces of each cut laid apart.

@@ -117,6 +117,7 @@ impl Project {
             fill: file.fill,
         };
         part.check()?;
+        check::settings(&part.fill, &file.export)?;
         let mut names = Names::default();
         let mut cuts = Vec::new();
         for entry in file.cut {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use super::part::PartError;
 use super::unknown::Complaint;
+use crate::export::ExportError;
 use crate::render::RenderError;
 use crate::view::{CameraError, StrokeError, ViewFileError};
 
@@ -31,7 +32,7 @@ pub enum ProjectProblem {
     #[error(transparent)]
     Toml(#[from] Complaint),
     /// A name that cannot be part of a file's name.
-    #[error("{key} = \"{name}\": a name has letters, digits, '-' and '_' only, and is not 'whole'")]
+    #[error("{key} = \"{name}\": a name has letters, digits, '-' and '_' only")]
     Name {
         /// The key.
         key: String,
@@ -105,6 +106,14 @@ pub enum ProjectProblem {
         key: String,
         /// What is wrong with it.
         source: RenderError,
+    },
+    /// An export's settings that cannot be.
+    #[error("{key}")]
+    Export {
+        /// The table.
+        key: String,
+        /// What is wrong with it.
+        source: ExportError,
     },
     /// The texture's type and the inputs do not fit together.
     #[error(transparent)]

@@ -5,14 +5,18 @@ use std::collections::HashMap;
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
 
+use super::improve::shape;
 use super::nearest::{Locator, closest};
 use crate::exec::{Cancelled, Exec};
-use crate::mesh::mesher::Answer;
+use crate::mesh::mesher::{Answer, MesherError};
 use crate::mesh::tet::neighbours;
 use crate::mesh::{NONE, TET_FACES, TriMesh, index, signed_volume};
 
 /// How far, in a box 100 wide, a face may lie from the triangle that it is said to lie on.
 const ON_THE_SURFACE: f64 = 1e-5;
+
+/// A region whose largest tetrahedron has no better shape than this is a product of rounding.
+const FLAT: f64 = 1e-9;
 
 /// Tetrahedra with the triangles of the surface that their outer faces lie on.
 #[derive(Debug, Clone, Default)]
@@ -25,11 +29,11 @@ pub(super) struct Cells {
     pub(super) outer: Vec<[u32; 4]>,
 }
 
-/// Why TetGen's answer is no filling of the surface.
+/// Why there are no cells.
 #[derive(Debug)]
 pub(super) enum CarveError {
     Cancelled(Cancelled),
-    Rubbish(String),
+    Mesher(MesherError),
 }
 
 impl From<Cancelled> for CarveError {
@@ -38,11 +42,20 @@ impl From<Cancelled> for CarveError {
     }
 }
 
+impl From<MesherError> for CarveError {
+    fn from(e: MesherError) -> Self {
+        match e {
+            MesherError::Cancelled(e) => Self::Cancelled(e),
+            e => Self::Mesher(e),
+        }
+    }
+}
+
 impl Cells {
     /// Turns TetGen's tetrahedra to be positive, drops those in cavities, and finds for every outer face
     /// its triangle of `surface`, which is what TetGen was given.
     pub(super) fn carve(answer: Answer, surface: &TriMesh, exec: &Exec) -> Result<Self, CarveError> {
-        let rubbish = |what: String| CarveError::Rubbish(what);
+        let rubbish = |what: String| CarveError::Mesher(MesherError::Rubbish { what });
         let Answer { points, mut tets, faces } = answer;
         let at = |v: u32| points[v as usize];
         let mut flat = vec![false; tets.len()];
@@ -75,7 +88,12 @@ impl Cells {
         }
         let windings: Vec<i32> = largest
             .iter()
-            .map(|(t, _)| locator.winding(tets[*t].iter().map(|v| at(*v)).sum::<DVec3>() / 4.0))
+            .map(|(t, _)| {
+                let corners = tets[*t].map(at);
+                // Between a surface and its convex hull lie pockets as thin as rounding makes them, where no
+                // point is safely on one side.
+                if shape(corners) < FLAT { 0 } else { locator.winding(corners.iter().sum::<DVec3>() / 4.0) }
+            })
             .collect();
         let keep = |t: usize| windings[regions[t] as usize] != 0;
         // Counted once for each time that the surface winds around it, the volume is the surface's.

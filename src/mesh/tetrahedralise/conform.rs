@@ -6,6 +6,8 @@
 //! the surface are split, until it is.
 
 use glam::DVec3;
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
 
 use super::cells::sorted as sorted_face;
 use super::surface::{Splitter, Surface, edges};
@@ -27,7 +29,7 @@ pub(super) enum Conformed {
 /// takes the world into the box that `inner` lies in, `run` makes Delaunay tetrahedra.
 pub(super) fn conform(
     surface: &mut Surface,
-    mut inner: Vec<DVec3>,
+    inner: &mut Vec<DVec3>,
     place: impl Fn(DVec3) -> DVec3,
     mut run: impl FnMut(&Job) -> Result<Answer, MesherError>,
     exec: &Exec,
@@ -37,7 +39,7 @@ pub(super) fn conform(
     for _ in 0..ROUNDS {
         let mut points: Vec<DVec3> = surface.mesh.vertices.iter().map(|p| place(*p)).collect();
         let own = points.len();
-        points.extend(&inner);
+        points.extend(&*inner);
         let mut answer = run(&Job::delaunay(points))?;
         let mut missing = missing(surface, own, &answer.tets, exec)?;
         if missing.edges.is_empty() && missing.triangles.is_empty() {
@@ -51,7 +53,7 @@ pub(super) fn conform(
         let edges = std::mem::take(&mut missing.edges);
         missing.edges =
             edges.into_iter().filter(|edge| !splitter.flip(*edge, |face| missing.there(face))).collect();
-        for edge in repair(&missing, &answer.points[..own], &mut inner) {
+        for edge in repair(&missing, &answer.points[..own], inner) {
             splitter.split(edge);
         }
     }
@@ -111,14 +113,17 @@ fn missing(surface: &Surface, own: usize, tets: &[[u32; 4]], exec: &Exec) -> Res
 /// Takes inner points out that are in the way, and gives the edges to split where none is.
 fn repair(missing: &Missing, own: &[DVec3], inner: &mut Vec<DVec3>) -> Vec<[u32; 2]> {
     let at = |v: u32| own[v as usize];
-    let mut tree = rstar::RTree::bulk_load(inner.iter().map(|p| p.to_array()).collect());
+    let numbered = (0..).zip(&*inner).map(|(i, p)| GeomWithData::new(p.to_array(), i));
+    let tree: RTree<GeomWithData<[f64; 3], usize>> = RTree::bulk_load(numbered.collect());
+    let mut taken = vec![false; inner.len()];
     let mut split = Vec::new();
     let mut take = |centre: DVec3, radius2: f64| {
-        let found: Vec<[f64; 3]> = tree.locate_within_distance(centre.to_array(), radius2).copied().collect();
-        for p in &found {
-            tree.remove(p);
+        let mut found = false;
+        for p in tree.locate_within_distance(centre.to_array(), radius2) {
+            taken[p.data] = true;
+            found = true;
         }
-        !found.is_empty()
+        found
     };
     for [a, b] in &missing.edges {
         let centre = at(*a).midpoint(at(*b));
@@ -135,7 +140,8 @@ fn repair(missing: &Missing, own: &[DVec3], inner: &mut Vec<DVec3>) -> Vec<[u32;
         let length = |[a, b]: &[u32; 2]| at(*a).distance_squared(at(*b));
         split.extend(edges(*triangle).into_iter().max_by(|e, f| length(e).total_cmp(&length(f))));
     }
-    inner.retain(|p| tree.contains(&p.to_array()));
+    let mut taken = taken.into_iter();
+    inner.retain(|_| !taken.next().unwrap_or(false));
     split
 }
 

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
+use rstar::RTree;
 
 use super::nearest::Locator;
 use crate::exec::{Cancelled, Exec};
@@ -51,6 +52,28 @@ pub(super) fn inner_points(
         }
     }
     Ok(Some(points))
+}
+
+/// Adds points in the middle of the places that the lattice is too coarse for: where inner edges join two
+/// vertices on the surface. `middles` are the middles of such edges and their lengths, the longest first.
+/// Returns how many were added.
+pub(super) fn fill_gaps(points: &mut Vec<DVec3>, middles: &[(DVec3, f64)], locator: &Locator) -> usize {
+    let before = points.len();
+    let old = RTree::bulk_load(points.iter().map(|p| p.to_array()).collect());
+    // A tree of its own: rstar 0.12 can panic on insertion into a tree that was loaded in bulk.
+    let mut new: RTree<[f64; 3]> = RTree::new();
+    for (p, length) in middles {
+        // Far from all others and from the surface, as far as a place of this width allows.
+        let far = |tree: &RTree<[f64; 3]>| {
+            let nearest = tree.nearest_neighbor(&p.to_array());
+            nearest.is_none_or(|q| p.distance(DVec3::from_array(*q)) > 0.5 * length)
+        };
+        if far(&old) && far(&new) && locator.distance(*p) > 0.3 * length {
+            new.insert(p.to_array());
+            points.push(*p);
+        }
+    }
+    points.len() - before
 }
 
 #[cfg(test)]

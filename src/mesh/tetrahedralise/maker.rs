@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::cells::{CarveError, Cells};
 use super::conform::{Conformed, conform};
 use super::improve::Improver;
-use super::lattice::inner_points;
+use super::lattice::{fill_gaps, inner_points};
 use super::nearest::Locator;
 use super::quality::quality;
 use super::simplify::{deviation, simplify};
@@ -21,10 +21,15 @@ use crate::mesh::{FaceOrigin, NONE, TET_FACES, TetMesh, TriMesh};
 const REGULAR: f64 = 0.117_851_130_197_757_9;
 /// Area of an equilateral triangle of edge 1: √3/4.
 const EQUILATERAL: f64 = 0.433_012_701_892_219_3;
-/// Surface edges longer than this many target edges are split: their halves come out near the target.
-const LONG: f64 = 1.4;
+/// Surface edges longer than the target are split until there are so many triangles, over those of an even
+/// surface.
+const ENOUGH: f64 = 1.15;
+/// How far the inside's edges may exceed the surface's: a coarser inside would be all spikes.
+const COARSER: f64 = 2.5;
 /// Inner points keep this many edges away from the surface.
 const GAP: f64 = 0.6;
+/// How often points are added where the surface is near on both sides.
+const GAP_ROUNDS: usize = 2;
 /// The bound on volume over that of the regular tetrahedron of the target edge.
 const BOUND: f64 = 1.8;
 /// Surface triangles that one trial may make by splitting.
@@ -87,6 +92,11 @@ pub(super) struct Made {
 impl Made {
     pub(super) fn count(&self) -> usize {
         self.cells.tets.len()
+    }
+
+    /// Whether the surface is the input's, neither split nor simplified for its edge length.
+    pub(super) fn surface_as_it_is(&self) -> bool {
+        self.surface_splits == 0 && self.simple.is_none()
     }
 }
 
@@ -165,6 +175,11 @@ impl<'a> Maker<'a> {
         (area(&self.base.mesh) / (EQUILATERAL * edge * edge)).ceil() as usize
     }
 
+    /// The longest edge for the inside that the input's own surface bears.
+    pub(super) fn coarsest(&self) -> f64 {
+        COARSER * (area(&self.base.mesh) / (EQUILATERAL * self.base.mesh.triangles.len() as f64)).sqrt()
+    }
+
     /// Fills the surface with tetrahedra of about `inner` edge length, after making the surface's own edges
     /// about `outer` long: long ones are split, and short ones simplified away if that is allowed.
     pub(super) fn make(&mut self, outer: f64, inner: f64, may_simplify: bool) -> Result<Made, TetError> {
@@ -196,28 +211,51 @@ impl<'a> Maker<'a> {
         let scale = self.frame.scale;
         let gap = GAP * outer.min(inner) * scale;
         let points = inner_points(&inside, &locator, inner * scale, gap, super::MAX_TETS, self.exec)?;
-        let Some(points) = points else { return Ok(None) };
+        let Some(mut points) = points else { return Ok(None) };
+        let mut found = None;
+        for filling in 0..=GAP_ROUNDS {
+            let cells = match self.follow(surface, &mut points) {
+                Ok(cells) => cells,
+                Err(CarveError::Cancelled(e)) => return Err(e.into()),
+                Err(CarveError::Mesher(e)) => {
+                    self.failed(e)?;
+                    break;
+                }
+            };
+            let crossing = cells.crossing(&cells.on_surface());
+            let middles: Vec<(DVec3, f64)> = crossing
+                .iter()
+                .map(|[a, b]| (cells.points[*a as usize], cells.points[*b as usize]))
+                .map(|(a, b)| (a.midpoint(b), a.distance(b)))
+                .collect();
+            found = Some(cells);
+            if filling == GAP_ROUNDS || fill_gaps(&mut points, &middles, &locator) == 0 {
+                break;
+            }
+        }
+        Ok(found)
+    }
+
+    /// Delaunay tetrahedra of a surface and of points inside, which both change where need be.
+    fn follow(&mut self, surface: &mut Surface, points: &mut Vec<DVec3>) -> Result<Cells, CarveError> {
         let (mesher, limits, exec, frame) = (self.mesher, self.limits, self.exec, self.frame);
         let runs = &mut self.runs;
         let run = |job: &Job| {
             *runs += 1;
             mesher.run(job, limits, exec)
         };
-        let conformed = conform(surface, points, |p| frame.box_from_world(p), run, exec);
-        let carved = match conformed {
-            Ok(Conformed::Yes(answer)) => Cells::carve(answer, &self.in_box(&surface.mesh), exec),
-            Ok(Conformed::No) => Err(CarveError::Rubbish("the surface is hard to follow".to_owned())),
-            Err(e) => return self.failed(e).map(|()| None),
-        };
-        match carved {
-            Ok(mut cells) => {
+        match conform(surface, points, |p| frame.box_from_world(p), run, exec)? {
+            Conformed::Yes(answer) => {
+                let mut cells = Cells::carve(answer, &self.in_box(&surface.mesh), exec)?;
                 if let Some(origin) = &surface.origin {
                     cells.peel(origin);
                 }
-                Ok(Some(cells))
+                Ok(cells)
             }
-            Err(CarveError::Cancelled(e)) => Err(e.into()),
-            Err(CarveError::Rubbish(what)) => self.failed(MesherError::Rubbish { what }).map(|()| None),
+            Conformed::No => {
+                let what = "it does not come to follow the surface".to_owned();
+                Err(CarveError::Mesher(MesherError::Rubbish { what }))
+            }
         }
     }
 
@@ -249,7 +287,8 @@ impl<'a> Maker<'a> {
             Some(mesh) => Surface { mesh: mesh.clone(), origin: None },
             None => self.base.clone(),
         };
-        let splits = surface.split_long_edges(LONG * edge, MOST_TRIANGLES, self.exec)?;
+        let enough = (self.triangles_for(edge) as f64 * ENOUGH) as usize;
+        let splits = surface.split_long_edges(edge, enough, MOST_TRIANGLES, self.exec)?;
         let prepared = Prepared { surface, splits, simple };
         self.prepared = Some((edge, may_simplify, prepared.clone()));
         Ok(prepared)
@@ -270,15 +309,11 @@ impl<'a> Maker<'a> {
             };
             self.runs += 1;
             let answer = self.mesher.run(&job, self.limits, self.exec);
-            let carved = answer.and_then(|answer| match Cells::carve(answer, surface, self.exec) {
-                Ok(cells) => Ok(cells),
-                Err(CarveError::Cancelled(e)) => Err(e.into()),
-                Err(CarveError::Rubbish(what)) => Err(MesherError::Rubbish { what }),
-            });
+            let carved = answer.map_err(CarveError::from).and_then(|a| Cells::carve(a, surface, self.exec));
             let last = match carved {
                 Ok(cells) => return Ok(cells),
-                Err(MesherError::Cancelled(e)) => return Err(e.into()),
-                Err(e) => e,
+                Err(CarveError::Cancelled(e)) => return Err(e.into()),
+                Err(CarveError::Mesher(e)) => e,
             };
             self.failures.push(last.to_string());
             left -= 1;
@@ -321,7 +356,8 @@ impl<'a> Maker<'a> {
 
         let simplified = match simple {
             Some(after) => {
-                let deviation = deviation(&self.base.mesh, &after, self.exec)?;
+                // Flips may have moved it a little more.
+                let deviation = deviation(&self.base.mesh, &surface.mesh, self.exec)?;
                 let diagonal = self.mesh.bounds().map_or(1.0, |(low, high)| low.distance(high));
                 Some(Simplified {
                     before: self.mesh.triangles.len(),
@@ -373,62 +409,5 @@ impl<'a> Maker<'a> {
             locator.nearest((a + b + c) / 3.0, (b - a).cross(c - a)).map_or(0, |(n, _)| n)
         };
         Ok(self.exec.install(|| outer.par_iter().map(nearest).collect()))
-    }
-}
-
-#[cfg(test)]
-impl Maker<'_> {
-    pub(super) fn calibrate(&mut self, name: &str) {
-        for t in [500usize, 1500, 5000] {
-            let edge = (area(&self.base.mesh) / (EQUILATERAL * t as f64)).sqrt();
-            for f in [0.85, 1.0, 1.2] {
-                self.failures.clear();
-                self.runs = 0;
-                let start = std::time::Instant::now();
-                let p = self.prepare(edge, true).unwrap();
-                let mut surface = p.surface.clone();
-                let t0 = start.elapsed().as_secs_f64();
-                let Some(mut cells) = self.connect(&mut surface, edge, edge * f).unwrap() else {
-                    println!("{name} T {t} f {f} runs {} {:?}", self.runs, self.failures);
-                    continue;
-                };
-                let time = start.elapsed().as_secs_f64();
-                let outer = cells.outer.iter().flatten().filter(|o| **o != NONE).count();
-                let before = cells.tets.len();
-                let low = |cells: &Cells| {
-                    let mut a: Vec<f64> = cells
-                        .tets
-                        .iter()
-                        .map(|t| {
-                            super::quality::dihedral_angles(t.map(|v| cells.points[v as usize]))
-                                .0
-                                .to_degrees()
-                        })
-                        .collect();
-                    a.sort_by(f64::total_cmp);
-                    (a[0], a[a.len() / 100], a[a.len() / 20])
-                };
-                let q0 = low(&cells);
-                let s = cells.split_inner(self.exec).unwrap();
-                let q1 = low(&cells);
-                let t1 = start.elapsed().as_secs_f64();
-                Improver::new(&mut cells).improve(self.exec).unwrap();
-                let q2 = low(&cells);
-                let t2 = start.elapsed().as_secs_f64() - t1;
-                println!(
-                    "{name} T {t} simple {}+{} f {f}: runs {} outer {outer} tets {before} -> {} {s:?}| model {:.2} | angle {:.2?} -> {:.2?} -> {:.2?} improve {t2:.2} {t0:.2} {time:.2}s",
-                    p.simple.map_or(0, |s| s.triangles.len()),
-                    p.splits,
-                    self.runs,
-                    cells.tets.len(),
-                    cells.tets.len() as f64
-                        / (self.base.mesh.volume() / (REGULAR * (edge * f).powi(3))
-                            + 1.5 * area(&self.base.mesh) / (EQUILATERAL * edge * edge)),
-                    q0,
-                    q1,
-                    q2,
-                );
-            }
-        }
     }
 }

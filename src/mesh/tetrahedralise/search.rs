@@ -9,6 +9,8 @@ const AIM: f64 = 0.05;
 const PATIENCE: usize = 4;
 /// The most trials on one kind of surface.
 const MOST: usize = 8;
+/// How far apart, as a logarithm, the edge lengths of surface and inside may be.
+const APART: f64 = 0.3;
 /// Tetrahedra that a triangle forces at least, for all that is known before a trial.
 const FORCED: f64 = 1.4;
 
@@ -46,37 +48,50 @@ fn better(a: Made, b: Made, goal: f64) -> Made {
 
 /// The best of some trials on one kind of surface.
 fn look(maker: &mut Maker<'_>, goal: f64, simplify: bool) -> Result<Made, TetError> {
-    let mut edge = maker.edge_for(goal).ln();
+    // Logarithms of the edge lengths of the surface and of the inside. The inside's is varied alone as long
+    // as the two are nearly the same: the surface follows in jumps.
+    let mut outer = maker.edge_for(goal).ln();
+    let mut inner = outer;
+    let coarsest = maker.coarsest().ln();
     let mut trials: Vec<Trial> = Vec::new();
     let mut best: Option<Made> = None;
     let mut failed = 0;
     for trial in 1..=MOST {
-        let made = match maker.make(edge.exp(), edge.exp(), simplify) {
+        let made = match maker.make(outer.exp(), inner.exp(), simplify) {
             Ok(made) => made,
             // Another edge length is another surface, which may do where this one did not.
             Err(e) if failed < 2 && maker.may_go_on(&e) => {
                 failed += 1;
-                edge += 0.03;
+                outer += 0.03;
+                inner += 0.03;
                 continue;
             }
             Err(e) => match best {
-                Some(made) if maker.may_go_on(&e) || matches!(e, TetError::Mesher { .. }) => return Ok(made),
+                Some(made) if matches!(e, TetError::Mesher { .. }) => return Ok(made),
                 _ => return Err(e),
             },
         };
         let excess = (made.count() as f64 / goal).ln();
-        trials.push(Trial { edge, excess });
+        let as_it_is = made.surface_as_it_is();
+        trials.push(Trial { edge: inner, excess });
         best = Some(match best {
             Some(other) => better(made, other, goal),
             None => made,
         });
-        let miss = trials.iter().map(|t| (t.excess.exp() - 1.0).abs()).fold(f64::INFINITY, f64::min);
+        let miss = best.as_ref().map_or(1.0, |made| (made.count() as f64 / goal - 1.0).abs());
         if miss <= AIM || (miss <= TOLERANCE && trial >= PATIENCE) {
             break;
         }
         match propose(&trials) {
-            Some(next) => edge = next,
-            None => break,
+            Some(next) if (next - outer).abs() <= APART => inner = next,
+            Some(next) if as_it_is && next > outer && inner < coarsest => inner = next.min(coarsest),
+            // The input's own surface decides, and another edge length would leave it as it is.
+            _ if as_it_is && excess > 0.0 => break,
+            _ => {
+                outer += (excess / 2.2).clamp(-1.2, 1.2);
+                inner = outer;
+                trials.clear();
+            }
         }
     }
     best.ok_or(TetError::NoTets)

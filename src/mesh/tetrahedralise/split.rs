@@ -16,7 +16,7 @@ pub(super) struct Splits {
 
 impl Cells {
     /// The inner edges that join two vertices on the surface, longest first.
-    fn crossing(&self, on: &[bool]) -> Vec<[u32; 2]> {
+    pub(super) fn crossing(&self, on: &[bool]) -> Vec<[u32; 2]> {
         let mut on_edges = Vec::new();
         let mut crossing = Vec::new();
         for (tet, outer) in self.tets.iter().zip(&self.outer) {

@@ -24,20 +24,23 @@ impl Surface {
         Self { mesh: without_unused(mesh), origin }
     }
 
-    /// Splits edges that are longer than `limit` at their middles, longest first; the shape stays as it
-    /// is. Returns the number of splits. Stops where the surface has `most` triangles.
+    /// Splits edges at their middles, longest first: those longer than `limit` while the surface has fewer
+    /// than `enough` triangles, those twice as long in any case. The shape stays as it is. Returns the number
+    /// of splits. Stops where the surface has `most` triangles.
     pub(super) fn split_long_edges(
         &mut self,
         limit: f64,
+        enough: usize,
         most: usize,
         exec: &Exec,
     ) -> Result<usize, Cancelled> {
         let mut splitter = Splitter::new(self);
         let mut long = BinaryHeap::new();
+        // Even surfaces have many edges of one length: in the order of their numbers, half a surface would
+        // be split before the other half.
         let rank = |[a, b]: [u32; 2], vertices: &[DVec3]| {
-            // The bits of numbers that are not negative sort as the numbers do.
-            let length = vertices[a as usize].distance(vertices[b as usize]);
-            (length > limit).then(|| (length.to_bits(), Reverse([a, b])))
+            let steps = (vertices[a as usize].distance(vertices[b as usize]) / limit * 256.0).round();
+            (steps > 256.0).then(|| (steps as u64, Reverse((scatter(a, b), [a, b]))))
         };
         for triangle in &splitter.surface.mesh.triangles {
             for edge in edges(*triangle) {
@@ -46,8 +49,9 @@ impl Surface {
             }
         }
         let mut splits = 0;
-        while let Some((_, Reverse(edge))) = long.pop() {
-            if splitter.surface.mesh.triangles.len() >= most {
+        while let Some((steps, Reverse((_, edge)))) = long.pop() {
+            let triangles = splitter.surface.mesh.triangles.len();
+            if triangles >= most || (triangles >= enough && steps <= 512) {
                 break;
             }
             if splits % 4096 == 0 {
@@ -62,6 +66,14 @@ impl Surface {
         }
         Ok(splits)
     }
+}
+
+/// A number that looks random, the same for an edge each time (the finaliser of SplitMix64).
+fn scatter(a: u32, b: u32) -> u64 {
+    let mut x = (u64::from(a) << 32 | u64::from(b)).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
 }
 
 /// Splits edges of a surface.
@@ -119,6 +131,9 @@ impl<'a> Splitter<'a> {
 /// How far, as a cosine, a flip may turn the triangles of a simplified surface.
 const FLAT_ENOUGH: f64 = 0.9;
 
+/// A flip makes no triangle whose height is less than this part of its longest edge.
+const THIN: f64 = 0.02;
+
 impl Splitter<'_> {
     /// Turns an edge into the other diagonal of its two triangles, if these lie on one triangle of the
     /// input (or nearly in a plane, on a simplified surface) and the new triangles are `wanted`.
@@ -143,12 +158,14 @@ impl Splitter<'_> {
             Some(_) => return None,
             None => FLAT_ENOUGH,
         };
+        let corners = |t: [u32; 3]| t.map(|v| vertices[v as usize]);
         let normal = |t: [u32; 3]| {
-            let [p, q, r] = t.map(|v| vertices[v as usize]);
+            let [p, q, r] = corners(t);
             (q - p).cross(r - p).normalize_or_zero()
         };
-        let old = normal(first) + normal(triangles[t as usize]);
-        if !new.iter().all(|n| normal(*n).dot(old.normalize_or_zero()) > least) {
+        let old = (normal(first) + normal(triangles[t as usize])).normalize_or_zero();
+        // Three vertices in a line, such as an edge and its middle, are no triangle.
+        if !new.iter().all(|n| normal(*n).dot(old) > least && thickness(corners(*n)) > THIN) {
             return None;
         }
         triangles[s as usize] = new[0];
@@ -193,6 +210,12 @@ pub(super) fn area(mesh: &TriMesh) -> f64 {
         .sum()
 }
 
+/// The height of a triangle over its longest edge.
+fn thickness([a, b, c]: [DVec3; 3]) -> f64 {
+    let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+    (b - a).cross(c - a).length() / longest
+}
+
 /// An edge, its smaller vertex first.
 pub(super) fn sorted(a: u32, b: u32) -> [u32; 2] {
     [a.min(b), a.max(b)]
@@ -212,7 +235,7 @@ mod tests {
     fn splitting_keeps_the_shape_and_closes_every_edge() {
         let cube = shapes::cuboid(DVec3::new(1.0, 2.0, 3.0));
         let mut surface = Surface::of(&cube);
-        let splits = surface.split_long_edges(0.3, usize::MAX, &Exec::default()).unwrap();
+        let splits = surface.split_long_edges(0.3, usize::MAX, usize::MAX, &Exec::default()).unwrap();
         let mesh = &surface.mesh;
         assert_eq!(mesh.vertices.len(), 8 + splits);
         assert_eq!(mesh.vertices[..8], cube.vertices[..]);
@@ -225,7 +248,7 @@ mod tests {
         assert_eq!(directed.len(), whole, "each edge once in each direction");
         for [a, b] in &directed {
             assert!(directed.binary_search(&[*b, *a]).is_ok());
-            assert!(mesh.vertices[*a as usize].distance(mesh.vertices[*b as usize]) <= 0.3);
+            assert!(mesh.vertices[*a as usize].distance(mesh.vertices[*b as usize]) <= 0.3 * 1.01);
         }
         for (t, from) in surface.origin.as_ref().unwrap().iter().enumerate() {
             let corners = cube.corners(*from as usize);
@@ -238,7 +261,10 @@ mod tests {
     #[test]
     fn splitting_stops_at_the_most() {
         let mut surface = Surface::of(&shapes::cuboid(DVec3::ONE));
-        surface.split_long_edges(1e-6, 100, &Exec::default()).unwrap();
+        surface.split_long_edges(1e-6, 0, 100, &Exec::default()).unwrap();
         assert!((100..=102).contains(&surface.mesh.triangles.len()));
+        let mut surface = Surface::of(&shapes::cuboid(DVec3::ONE));
+        surface.split_long_edges(0.1, 1000, usize::MAX, &Exec::default()).unwrap();
+        assert!((1000..=1002).contains(&surface.mesh.triangles.len()));
     }
 }

@@ -176,20 +176,43 @@ fn read_scratch(path: &str) -> TriMesh {
 
 #[test]
 #[ignore]
-fn calibrate() {
+fn measure() {
     let d = "/work/shared/data/meshes/";
     for (name, mesh) in [
-        ("sphere", shapes::sphere(5, 1.0)),
-        ("torus", shapes::torus(96, 48, 1.0, 0.3)),
-        ("box", shapes::cuboid(DVec3::new(1.0, 2.0, 0.3))),
+        ("sphere", shapes::sphere(3, 1.0)),
+        ("box", shapes::cuboid(DVec3::ONE)),
+        ("long box", shapes::cuboid(DVec3::new(4.0, 0.5, 1.0))),
+        ("thin box", shapes::cuboid(DVec3::new(1.0, 1.0, 0.02))),
+        ("torus", shapes::torus(24, 12, 1.0, 0.4)),
         ("spot", read_scratch(&format!("{d}spot.obj"))),
         ("bunny", read_scratch(&format!("{d}bunny-closed.off"))),
         ("rocker", read_scratch(&format!("{d}rocker-arm.obj"))),
     ] {
-        let params = TetParams { tets: 5000, keep_surface: false };
-        let exec = Exec::default();
-        let limits = MesherLimits::default();
-        let mut maker = maker::Maker::new(&mesh, &params, &Mesher::InProcess, &limits, &exec);
-        maker.calibrate(name);
+        for keep_surface in [false, true] {
+            for tets in [1000, 5000, 20000] {
+                let params = TetParams { tets, keep_surface };
+                let start = std::time::Instant::now();
+                let (out, r) = tetrahedralise(&mesh, &params, &Mesher::InProcess, &Exec::default()).unwrap();
+                let s = start.elapsed().as_secs_f64();
+                sound(&mesh, &out, &r);
+                println!(
+                    "{name} keep {keep_surface}: {tets} -> {} {:+.1}% runs {} fail {:?} tri {} -> {:?} -> {} -> {} inner splits {} {} angle {:.1}..{:.1} edge {:.3}±{:.3} {s:.2}s",
+                    r.tetrahedra,
+                    100.0 * (r.tetrahedra as f64 / tets as f64 - 1.0),
+                    r.runs,
+                    r.failures,
+                    r.input_triangles,
+                    r.simplified.map(|s| (s.after, s.deviation_of_diagonal)),
+                    r.surface_triangles,
+                    r.boundary_faces,
+                    r.inner_edges_split,
+                    r.tets_split,
+                    r.min_dihedral_deg,
+                    r.max_dihedral_deg,
+                    r.edge_mean,
+                    r.edge_deviation
+                );
+            }
+        }
     }
 }

@@ -1,0 +1,184 @@
+//! Project files from outside: what a run leaves, and what is wrong with a wrong one.
+
+mod common;
+
+use std::time::Instant;
+
+use common::Bench;
+
+const PROJECT: &str = r#"
+name = "ball"
+seed = 3
+
+[mesh]
+file = "ball.obj"
+tets = 500
+
+[texture]
+volume = "volume.nrrd"
+type = "2b"
+
+[depth]
+skin = 0
+[[depth.stroke]]
+depth = 1
+points = [[0, 0, -0.4], [0, 0, 0.4]]
+
+[direction]
+constant = [0, 0, 1]
+
+[[cut]]
+name = "wave"
+stroke = [[0.1, 0.5], [0.5, 0.45], [0.9, 0.5]]
+
+[[cut]]
+name = "again"
+of = "wave/1"
+plane = [1, 0, 0, 0.1]
+
+[[picture]]
+name = "whole"
+[picture.render]
+width = 48
+height = 32
+
+[[picture]]
+name = "pieces"
+show = ["again", "wave/2"]
+apart = 0.5
+from = [1, 1, 1]
+[picture.render]
+width = 40
+height = 40
+
+[export]
+formats = ["glb", "ply"]
+[export.atlas]
+size = 256
+"#;
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.file("p.toml", PROJECT);
+    bench
+}
+
+#[test]
+fn a_run_leaves_what_the_file_asks_for() {
+    let bench = bench();
+    bench.ok("run p.toml");
+    let models = ["ball", "ball-again-1", "ball-again-2", "ball-wave-1", "ball-wave-2"];
+    let mut expected: Vec<String> =
+        models.iter().flat_map(|m| ["glb", "lapis", "ply"].map(|e| format!("out/p/{m}.{e}"))).collect();
+    expected.extend(["out/p/pieces.png", "out/p/whole.png", "out/p/report.json"].map(str::to_owned));
+    expected.sort();
+    let found: Vec<String> = bench.names().into_iter().filter(|n| n.starts_with("out/p/")).collect();
+    assert_eq!(found, expected);
+    let report: serde_json::Value = serde_json::from_slice(&bench.read("out/p/report.json")).unwrap();
+    assert_eq!(report["counts"]["wave"]["pieces"], 2);
+    assert_eq!(report["measures"]["depth_error"], 0.0);
+    assert_eq!(report["outputs"].as_array().unwrap().len(), expected.len());
+    bench.ok("render out/p/ball-again-2.lapis --size 32 -o p.png");
+
+    // It owns its folder: a second run needs no --force, gives the same bytes, and takes away what is no
+    // longer made. Other files stay.
+    let all = |folder: &str| -> Vec<Vec<u8>> {
+        expected
+            .iter()
+            .filter(|n| !n.ends_with("report.json"))
+            .map(|n| bench.read(&n.replace("out/p", folder)))
+            .collect()
+    };
+    let first = all("out/p");
+    bench.ok("run p.toml -o elsewhere/deep --threads 1");
+    assert!(first == all("elsewhere/deep"), "threads or the folder change the result");
+    bench.file("out/p/mine.txt", "mine");
+    bench.file("p.toml", PROJECT.replace("formats = [\"glb\", \"ply\"]", "formats = []"));
+    bench.ok("run p.toml");
+    assert!(!bench.path("out/p/ball.glb").exists() && bench.path("out/p/ball.lapis").exists());
+    assert_eq!(bench.read("out/p/mine.txt"), b"mine");
+
+    // A folder with another's file of the same name is refused before the work; --force replaces it.
+    std::fs::create_dir(bench.path("other")).unwrap();
+    bench.file("other/whole.png", "theirs");
+    let start = Instant::now();
+    bench.run("run p.toml -o other").refused(1, &["whole.png exists already"]);
+    assert!(start.elapsed().as_secs_f64() < 2.0);
+    assert_eq!(bench.read("other/whole.png"), b"theirs");
+    bench.ok("run p.toml -o other --force --seed 9");
+    assert_ne!(bench.read("other/ball.lapis"), bench.read("out/p/ball.lapis"));
+}
+
+#[test]
+fn a_failed_run_changes_nothing() {
+    let bench = bench();
+    bench.file("p.toml", PROJECT.replace("\"again\", \"wave/2\"", "\"again\", \"wave/7\""));
+    let before = bench.names();
+    bench.run("run p.toml --json").refused(1, &["'pieces'", "'wave/7'", "left 2 pieces"]);
+    assert_eq!(bench.names(), before);
+    bench.file("p.toml", PROJECT.replace("plane = [1, 0, 0, 0.1]", "plane = [1, 0, 0, 9]"));
+    bench.run("run p.toml").refused(1, &["'again'"]);
+    assert_eq!(bench.names(), before);
+}
+
+#[test]
+fn wrong_files_are_told_what_is_wrong() {
+    let bench = bench();
+    for (right, wrong, words) in [
+        ("[depth]\nskin", "[depth]\nskni", &["line 14", "'skni'", "'skin'"][..]),
+        ("[[cut]]\nname = \"wave\"", "[[ct]]\nname = \"wave\"", &["'ct'", "'cut'"]),
+        ("tets = 500", "tet = 500", &["'tet'", "'tets'"]),
+        ("width = 48", "widht = 48", &["'widht'", "'width'"]),
+        ("[export.atlas]\nsize", "[export.atlas]\nsice", &["'sice'", "'size'"]),
+        ("[direction]", "[fill]\nspacin = 0.3\n[direction]", &["'spacin'", "'spacing'"]),
+        ("tets = 500", "tets = \"many\"", &["line 7", "invalid type"]),
+        ("type = \"2b\"", "type = \"9\"", &["'9'", "2b"]),
+        ("type = \"2b\"", "type = \"2c\"", &["2c cannot be filled yet"]),
+        ("type = \"2b\"", "type = \"1a\"", &["1a takes no depth"]),
+        ("[direction]\nconstant = [0, 0, 1]", "", &["2b needs direction", "[direction]"]),
+        ("constant = [0, 0, 1]", "", &["direction", "constant"]),
+        ("constant = [0, 0, 1]", "constant = [0, 0, 0]", &["zero"]),
+        ("[direction]", "[scale]\neverywhere = 1\n[direction]", &["2b takes no scale"]),
+        ("skin = 0", "skin = 2", &["depth.skin = 2", "between 0"]),
+        ("depth = 1\n", "depth = -1\n", &["depth.stroke[0].depth = -1"]),
+        ("points = [[0, 0, -0.4], [0, 0, 0.4]]", "points = [[0, 0, nan]]", &["depth.stroke[0].points"]),
+        ("of = \"wave/1\"", "of = \"wvae/1\"", &["'wvae/1'", "'wave/1'"]),
+        ("of = \"wave/1\"", "of = \"wave\"", &["one model"]),
+        ("of = \"wave/1\"", "of = \"again/1\"", &["'again/1'"]),
+        ("name = \"again\"", "name = \"wave\"", &["two cuts are named 'wave'"]),
+        ("name = \"pieces\"", "name = \"whole\"", &["two pictures are named 'whole'"]),
+        ("name = \"again\"", "name = \"whole\"", &["'whole'", "another name"]),
+        ("name = \"ball\"", "name = \"../ball\"", &["../ball", "letters"]),
+        ("plane = [1, 0, 0, 0.1]", "plane = [0, 0, 0, 0.1]", &["'again'", "normal"]),
+        ("plane = [1, 0, 0, 0.1]", "", &["'again'", "exactly one"]),
+        ("[0.5, 0.45], [0.9, 0.5]]", "[0.5, 0.4], [0.5, 0.6], [0.2, 0.4]]", &["'wave'", "cross"]),
+        ("from = [1, 1, 1]", "from = [0, 0, 0]", &["'pieces'", "`from`"]),
+        ("apart = 0.5", "apart = -0.5", &["'pieces'", "apart"]),
+        ("height = 32", "height = 0", &["48×0"]),
+        ("formats = [\"glb\", \"ply\"]", "formats = [\"obj\"]", &["'obj'", "glb"]),
+        ("volume = \"volume.nrrd\"", "volume = \"none.nrrd\"", &["none.nrrd"]),
+        ("file = \"ball.obj\"", "file = \"none.obj\"", &["none.obj"]),
+        ("size = 256", "size = 100", &["100"]),
+    ] {
+        assert!(PROJECT.contains(right), "{right}");
+        bench.file("p.toml", PROJECT.replace(right, wrong));
+        let before = bench.names();
+        bench.run("run p.toml --json").refused(1, words);
+        assert_eq!(bench.names(), before, "{wrong} left something behind");
+    }
+    bench.file("p.toml", b"\xff\xfe");
+    bench.run("run p.toml").refused(1, &["p.toml", "UTF-8"]);
+    bench.file("p.toml", "");
+    bench.run("run p.toml").refused(1, &["p.toml", "mesh"]);
+    bench.run("run missing.toml").refused(1, &["missing.toml"]);
+    bench.run("run .").refused(1, &["directory"]);
+}
+
+#[test]
+fn the_sample_project_is_read() {
+    let bench = Bench::empty();
+    let kiwi = concat!(env!("CARGO_MANIFEST_DIR"), "/meshes/kiwi.toml");
+    let json = bench.ok(&format!("info {kiwi} --json")).json();
+    assert_eq!(json["measures"]["name"], "kiwi");
+    assert_eq!(json["measures"]["type"], "2b");
+}
