@@ -2,8 +2,13 @@
 
 use glam::{DVec2, DVec3};
 
+use super::divide::SNAP;
+use super::slabs::Slabs;
 use super::{CutError, StrokeEnd};
 use crate::view::{Camera, Projection, Stroke, box_of, meeting, turn};
+
+/// Turns up to this angle, some 15°, are what a polygon makes of a smooth line.
+const GENTLE: f64 = 0.25;
 
 /// A stroke that divides the screen in two, in picture heights: a polygon whose first `walls` sides are
 /// the stroke with its extensions; the others join an open one's far ends where the model is not.
@@ -30,14 +35,6 @@ pub(super) struct Crossing {
     pub(super) at: DVec2,
     /// The side of the polygon that it lies on.
     wall: u32,
-}
-
-/// The sides of the polygon by the slabs of y that they pass through.
-struct Slabs {
-    low: f64,
-    per_height: f64,
-    start: Vec<u32>,
-    sides: Vec<u32>,
 }
 
 impl Curve {
@@ -69,7 +66,7 @@ impl Curve {
             points: Vec::new(),
             walls: 0,
             closed: stroke.closed,
-            slabs: Slabs { low: 0.0, per_height: 0.0, start: vec![0, 0], sides: Vec::new() },
+            slabs: Slabs::default(),
             model: (lo, hi),
             stroke_size: size.max_element(),
         };
@@ -209,13 +206,37 @@ impl Curve {
         found[start..].sort_unstable_by(|x, y| x.t.total_cmp(&y.t).then(x.wall.cmp(&y.wall)));
     }
 
+    /// Drops pairs of an edge's crossings with an excursion between them that is too slight to follow.
+    pub(super) fn drop_slight(&self, found: &mut Vec<Crossing>, tolerance: f64) {
+        if found.len() < 2 {
+            return;
+        }
+        let slight = |x: &Crossing, y: &Crossing| {
+            y.t - x.t < 2.0 * SNAP
+                || self.touch(x, y, 0.25 * tolerance)
+                || self.strays(x, y, 0.5 * tolerance).is_none()
+        };
+        let mut stays: Vec<Crossing> = Vec::with_capacity(found.len());
+        for &x in &*found {
+            match stays.last() {
+                Some(last) if slight(last, &x) => {
+                    stays.pop();
+                }
+                _ => stays.push(x),
+            }
+        }
+        *found = stays;
+    }
+
     /// Where the edge from a to b, which lie on different sides, crosses the curve's sheet. Of several
     /// places, which do not matter by the tolerance, the middle one.
-    pub(super) fn crossing(&self, a: DVec3, b: DVec3) -> f64 {
+    pub(super) fn crossing(&self, a: DVec3, b: DVec3, tolerance: f64) -> (f64, Option<Crossing>) {
         let mut found = Vec::with_capacity(4);
         self.crossings(a, b, &mut found);
+        self.drop_slight(&mut found, tolerance);
         if found.len() % 2 == 1 {
-            return found[found.len() / 2].t;
+            let middle = found[found.len() / 2];
+            return (middle.t, Some(middle));
         }
         // Sides and crossings can disagree where an end of the edge lies on the curve.
         let side = self.positive(a);
@@ -224,7 +245,26 @@ impl Curve {
             let middle = 0.5 * (lo + hi);
             if self.positive(a + (b - a) * middle) == side { lo = middle } else { hi = middle }
         }
-        lo
+        (lo, None)
+    }
+
+    /// The angle by which the curve turns within `tolerance` of a crossing; 0 where it is a gentle one.
+    ///
+    /// Triangles of the cut must not span a corner, so what is split at corners is split first: diagonals
+    /// then end there.
+    pub(super) fn sharpness(&self, x: &Crossing, tolerance: f64) -> f64 {
+        let n = self.points.len();
+        let k = x.wall as usize;
+        let turn_at = |k: usize| {
+            if self.points[k].distance_squared(x.at) > tolerance * tolerance {
+                return 0.0;
+            }
+            let [a, b] = self.side((k + n - 1) % n);
+            let [_, c] = self.side(k);
+            (b - a).angle_to(c - b).abs()
+        };
+        let angle = turn_at(k).max(turn_at((k + 1) % n));
+        if angle > GENTLE { angle } else { 0.0 }
     }
 
     /// How far the curve, on its way from one crossing to the other, strays from the straight line between
@@ -256,6 +296,16 @@ impl Curve {
         Some((found.0.sqrt(), found.1))
     }
 
+    /// Whether the sides of the curve at two crossings come within `limit` picture heights of each other there:
+    /// between them is a sharp tip, or a strip too thin to follow.
+    pub(super) fn touch(&self, x: &Crossing, y: &Crossing, limit: f64) -> bool {
+        let near = |p: &Crossing, q: &Crossing| {
+            let [a, b] = self.side(q.wall as usize);
+            distance_squared(p.at, a, b) <= limit * limit
+        };
+        near(x, y) || near(y, x)
+    }
+
     /// Whether a point is seen within `limit` picture heights of the curve.
     pub(super) fn within(&self, p: DVec3, limit: f64) -> bool {
         let (p, _) = self.see(p);
@@ -263,6 +313,11 @@ impl Curve {
             let [a, b] = self.side(k);
             distance_squared(p, a, b) <= limit * limit
         })
+    }
+
+    /// Whether the straight line between two crossings serves for the curve.
+    pub(super) fn straight(&self, x: &Crossing, y: &Crossing, tolerance: f64) -> bool {
+        self.strays(x, y, tolerance).is_none() || self.touch(x, y, 0.25 * tolerance)
     }
 
     /// Where the edge from a to b passes behind the line that is drawn on the screen through what is seen of
@@ -308,55 +363,6 @@ fn distance_squared(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     let (v, w) = (b - a, p - a);
     let t = (w.dot(v) / v.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
     (w - v * t).length_squared()
-}
-
-impl Slabs {
-    fn new(points: &[DVec2], low: f64, high: f64) -> Self {
-        let n = points.len();
-        let mut count = n.clamp(1, 4096);
-        loop {
-            let per_height = if high > low { count as f64 / (high - low) } else { 0.0 };
-            let mut slabs = Self { low, per_height, start: vec![0; count + 1], sides: Vec::new() };
-            let range = |k: usize| {
-                let (a, b) = (points[k].y, points[(k + 1) % n].y);
-                slabs.of(a.min(b))..=slabs.of(a.max(b))
-            };
-            let ranges: Vec<_> = (0..n).map(range).collect();
-            let total: usize = ranges.iter().map(|r| r.end() - r.start() + 1).sum();
-            // Long sides that pass through many slabs: fewer slabs serve better.
-            if total > 16 * (n + count) {
-                count = (count / 2).max(1);
-                continue;
-            }
-            let mut start = vec![0u32; count + 1];
-            for slab in ranges.iter().cloned().flatten() {
-                start[slab + 1] += 1;
-            }
-            for slab in 0..count {
-                start[slab + 1] += start[slab];
-            }
-            let mut next = start.clone();
-            slabs.sides = vec![0; total];
-            for (k, range) in ranges.into_iter().enumerate() {
-                for slab in range {
-                    slabs.sides[next[slab] as usize] = k as u32;
-                    next[slab] += 1;
-                }
-            }
-            slabs.start = start;
-            return slabs;
-        }
-    }
-
-    /// The slab of a height; those beyond the last count to the last.
-    fn of(&self, y: f64) -> usize {
-        // A cast from a float saturates.
-        (((y - self.low) * self.per_height) as usize).min(self.start.len() - 2)
-    }
-
-    fn at(&self, slab: usize) -> &[u32] {
-        &self.sides[self.start[slab] as usize..self.start[slab + 1] as usize]
-    }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::curve::Curve;
+use super::curve::{Crossing, Curve};
 use super::subdivide::{INNER, Part, Split, Subdivision, WHOLE, edges};
 use super::{CutError, Sheet};
 use crate::exec::Exec;
@@ -84,15 +84,9 @@ pub(super) fn divide(
         .map(|&p| if sheet.positive(p) { 1 } else { -1 })
         .collect();
     exec.check()?;
-    let mut splits = crossed(&parts, &sides, sheet);
-    let mut on_sheet = vec![false; sides.len()];
-    for s in &splits {
-        if s.t < SNAP {
-            on_sheet[s.edge[0] as usize] = true;
-        } else if s.t > 1.0 - SNAP {
-            on_sheet[s.edge[1] as usize] = true;
-        }
-    }
+    let crossed = crossed(&parts, &sides, sheet, tolerance);
+    let mut on_sheet = snapped(&crossed, sides.len(), sheet, tolerance);
+    let mut splits: Vec<Split> = crossed.into_iter().map(|(s, _)| s).collect();
     loop {
         exec.check()?;
         splits.retain(|s| s.edge.iter().all(|&v| !on_sheet[v as usize]));
@@ -115,7 +109,6 @@ pub(super) fn divide(
     }
     sides.resize(parts.vertices.len(), 0);
     let first = in_order(&mut parts, mesh.tets.len());
-    exec.check()?;
     let neighbours = neighbours(&parts.parts, &first, mesh);
     let mut positive = sides_of_parts(&parts, &neighbours, &sides, sheet);
     let mut connected = Connected::new(&neighbours, &positive);
@@ -129,8 +122,11 @@ pub(super) fn divide(
     Ok(Divided { parts, neighbours, positive, connected, snapped })
 }
 
+/// A crossed edge, and what a curve makes of the crossing.
+type Crossed = (Split, Option<Crossing>);
+
 /// The edges whose ends lie on different sides, sorted and each once, with the places of crossing.
-fn crossed(parts: &Subdivision, sides: &[i8], sheet: &Sheet) -> Vec<Split> {
+fn crossed(parts: &Subdivision, sides: &[i8], sheet: &Sheet, tolerance: f64) -> Vec<Crossed> {
     let side = |v: u32| sides[v as usize];
     let apart = |v: &[u32; 4]| v.iter().any(|&w| side(w) != side(v[0]));
     let hits: Vec<u32> = (0..index(parts.parts.len()))
@@ -146,9 +142,43 @@ fn crossed(parts: &Subdivision, sides: &[i8], sheet: &Sheet) -> Vec<Split> {
     list.dedup();
     let split = |edge: &[u32; 2]| {
         let [a, b] = edge.map(|v| parts.vertices[v as usize]);
-        Split { edge: *edge, t: sheet.crossing(a, b) }
+        let (t, crossing) = sheet.crossing(a, b, tolerance);
+        let rank = match (sheet, &crossing) {
+            (Sheet::Screen(curve), Some(x)) => curve.sharpness(x, tolerance),
+            _ => 0.0,
+        };
+        (Split { edge: *edge, t, rank }, crossing)
     };
     list.par_iter().with_min_len(1024).map(split).collect()
+}
+
+/// The vertices that some edge is crossed next to, and that the cut is led through therefore. Not where the
+/// vertex stands in a corner of the curve, close to one leg of it, and other edges lead across the other leg:
+/// they would not be crossed any more, and the corner would be lost.
+fn snapped(crossed: &[Crossed], vertices: usize, sheet: &Sheet, tolerance: f64) -> Vec<bool> {
+    let end = |s: &Split, x: usize| if x == 0 { s.t } else { 1.0 - s.t };
+    let mut on_sheet = vec![false; vertices];
+    let mut near: Vec<(u32, Crossing)> = Vec::new();
+    for (s, crossing) in crossed {
+        for x in [0, 1] {
+            if end(s, x) < SNAP {
+                on_sheet[s.edge[x] as usize] = true;
+                near.extend(crossing.map(|c| (s.edge[x], c)));
+            }
+        }
+    }
+    let Sheet::Screen(curve) = sheet else { return on_sheet };
+    near.sort_by_key(|n| n.0);
+    near.dedup_by_key(|n| n.0);
+    for (s, crossing) in crossed {
+        for x in [0, 1] {
+            let (Some(far), false) = (crossing, end(s, x) < SNAP) else { continue };
+            if let Ok(at) = near.binary_search_by_key(&s.edge[x], |n| n.0) {
+                on_sheet[s.edge[x] as usize] &= curve.straight(&near[at].1, far, tolerance);
+            }
+        }
+    }
+    on_sheet
 }
 
 /// Sorts the parts by their parents, else as they came about; the parts of tetrahedron t are then

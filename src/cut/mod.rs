@@ -20,6 +20,7 @@ mod curve;
 mod divide;
 mod pieces;
 mod refine;
+mod slabs;
 mod subdivide;
 #[cfg(test)]
 mod tests;
@@ -32,6 +33,7 @@ use crate::exec::{Cancelled, Exec};
 use crate::lap::LappedSolid;
 use crate::view::{Camera, CameraError, Stroke, StrokeError};
 use curve::Curve;
+use curve::{Crossing, Curve};
 use subdivide::Subdivision;
 
 /// What to cut along.
@@ -265,6 +267,7 @@ enum Sheet {
     Plane { normal: DVec3, offset: f64, given: f64, length: f64 },
     /// The sheet that a curve on the screen sweeps along the view.
     Screen(Curve),
+    Screen(Box<Curve>),
 }
 
 impl Sheet {
@@ -280,6 +283,7 @@ impl Sheet {
             }
             CutSurface::Stroke { stroke, camera } => {
                 Ok(Self::Screen(Curve::new(&stroke.cleaned()?, camera, &solid.mesh.vertices)?))
+                Ok(Self::Screen(Box::new(Curve::new(&stroke.cleaned()?, camera, &solid.mesh.vertices)?)))
             }
         }
     }
@@ -294,6 +298,9 @@ impl Sheet {
 
     /// Where the edge from a to b, which lie on different sides, crosses the sheet, as a part of it.
     fn crossing(&self, a: DVec3, b: DVec3) -> f64 {
+    /// Where the edge from a to b, which lie on different sides, crosses the sheet, as a part of it, and
+    /// what a curve makes of it.
+    fn crossing(&self, a: DVec3, b: DVec3, tolerance: f64) -> (f64, Option<Crossing>) {
         match self {
             Self::Plane { normal, offset, .. } => {
                 let (da, db) = (normal.dot(a) - offset, normal.dot(b) - offset);
@@ -301,6 +308,9 @@ impl Sheet {
                 (da / (da - db)).clamp(0.0, 1.0)
             }
             Self::Screen(curve) => curve.crossing(a, b),
+                ((da / (da - db)).clamp(0.0, 1.0), None)
+            }
+            Self::Screen(curve) => curve.crossing(a, b, tolerance),
         }
     }
 

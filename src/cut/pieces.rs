@@ -137,8 +137,7 @@ fn piece(
     let mut boundary = Vec::new();
     for (n, (i, part)) in parts().enumerate() {
         let mut mine = [NONE; 4];
-        for k in 0..4 {
-            let across = divided.neighbours[i][k];
+        for (k, &across) in divided.neighbours[i].iter().enumerate() {
             if across != NONE && divided.positive[across as usize] == divided.positive[i] {
                 mine[k] = place[across as usize];
             } else {

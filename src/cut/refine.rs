@@ -1,9 +1,9 @@
 //! Smaller tetrahedra where a stroke does more than pass straight through.
 
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::curve::{Crossing, Curve};
-use super::divide::SNAP;
 use super::subdivide::{Part, Split, Subdivision, edges};
 use crate::exec::{Cancelled, Exec};
 use crate::mesh::TET_FACES;
@@ -89,12 +89,14 @@ fn wanted(parts: &Subdivision, curve: &Curve, tolerance: f64, active: &[u32]) ->
         .with_min_len(256)
         .flat_map_iter(|i| {
             let part = part(i);
-            TET_FACES.iter().filter_map(move |face| {
+            let faces = TET_FACES.iter().filter_map(move |face| {
                 let f = face.map(|k| part.vertices[k]);
                 // By the vertex opposite.
                 let met = [look(f[1], f[2]), look(f[2], f[0]), look(f[0], f[1])];
                 bend(parts, curve, tolerance, part, f, met)
-            })
+            });
+            let met = edges(part.vertices).map(|[a, b]| look(a, b));
+            faces.chain(inner_bend(parts, curve, tolerance, part, met))
         })
         .collect();
     // Of several faces that would split an edge at different places, that with the sharpest bend decides.
@@ -104,7 +106,7 @@ fn wanted(parts: &Subdivision, curve: &Curve, tolerance: f64, active: &[u32]) ->
     let mut splits: Vec<Split> = bends.into_iter().map(|b| b.split).collect();
     splits.retain(|s| !matches!(look(s.edge[0], s.edge[1]), Meets::Often(_)));
     splits.extend(all.iter().zip(&meets).filter_map(|(edge, m)| match m {
-        Meets::Often(t) => Some(Split { edge: *edge, t: *t }),
+        Meets::Often(t) => Some(Split::at(*edge, *t)),
         _ => None,
     }));
     splits.sort_unstable_by_key(|s| s.edge);
@@ -116,24 +118,7 @@ fn meets(parts: &Subdivision, curve: &Curve, tolerance: f64, edge: [u32; 2]) -> 
     let mut found = Vec::new();
     curve.crossings(a, b, &mut found);
     let none = if found.is_empty() { Meets::Not } else { Meets::Slightly };
-    if found.len() > 1 {
-        // Two crossings with next to nothing between them cancel out.
-        let slight = |x: &Crossing, y: &Crossing| {
-            y.t - x.t < 2.0 * SNAP
-                || x.at.distance(y.at) < 0.25 * tolerance
-                || curve.strays(x, y, 0.5 * tolerance).is_none()
-        };
-        let mut stays: Vec<Crossing> = Vec::with_capacity(found.len());
-        for x in found {
-            match stays.last() {
-                Some(last) if slight(last, &x) => {
-                    stays.pop();
-                }
-                _ => stays.push(x),
-            }
-        }
-        found = stays;
-    }
+    curve.drop_slight(&mut found, tolerance);
     match found[..] {
         [] => none,
         [x] => Meets::Once(x),
@@ -162,7 +147,7 @@ fn bend(
     met: [Meets; 3],
 ) -> Option<Bend> {
     let at = |v: u32| parts.vertices[v as usize];
-    let halved = |by| Some(Bend { by, split: Split { edge: longest(parts, part), t: 0.5 } });
+    let halved = |by| Some(Bend { by, split: Split::at(longest(parts, edges(part.vertices)), 0.5) });
     let (o, x, y) = match met {
         [Meets::Not | Meets::Slightly, Meets::Once(x), Meets::Once(y)] => (0, x, y),
         [Meets::Once(x), Meets::Not | Meets::Slightly, Meets::Once(y)] => (1, x, y),
@@ -170,35 +155,77 @@ fn bend(
         [Meets::Not, Meets::Not, Meets::Not] => {
             // All of a closed stroke may lie within the face.
             let point = curve.loop_point(2.0 * tolerance)?;
-            let seen = face.map(|v| curve.see(at(v)).0);
-            let left = [0, 1, 2].map(|k| turn(seen[k], seen[(k + 1) % 3], point));
-            let within = left.iter().all(|&x| x > 0.0) || left.iter().all(|&x| x < 0.0);
-            return if within { halved(1.0) } else { None };
+            return if encloses(curve, face.map(at), point) { halved(1.0) } else { None };
         }
         _ => return None,
     };
     let (by, worst) = curve.strays(&x, &y, tolerance)?;
+    if curve.straight(&x, &y, tolerance) {
+        return None;
+    }
     // The edge that the curve does not cross is split where a line from the vertex opposite, through the place
     // of the worst bend, meets it: then the curve is met exactly there. That takes far fewer tetrahedra
-    // than halving them down to the tolerance. Where it would make needles, they are halved.
+    // than halving them down to the tolerance; they are halved where it would make needles.
     let (a, b) = (face[(o + 1) % 3], face[(o + 2) % 3]);
     let edge = [a.min(b), a.max(b)];
-    let whole = longest(parts, part).map(at);
-    let [p, q] = edge.map(at);
-    if p.distance(q) > 0.4 * whole[0].distance(whole[1]) {
-        if let Some(t) = curve.behind(p, q, at(face[o]), worst).filter(|t| (0.05..=0.95).contains(t)) {
-            return Some(Bend { by, split: Split { edge, t } });
+    let whole = longest(parts, edges(part.vertices));
+    if length_squared(parts, edge) > 0.01 * length_squared(parts, whole) {
+        let margin = if encloses(curve, face.map(at), worst) { 0.02 } else { 0.1 };
+        let t = curve.behind(at(edge[0]), at(edge[1]), at(face[o]), worst);
+        if let Some(t) = t.filter(|t| (margin..=1.0 - margin).contains(t)) {
+            return Some(Bend { by, split: Split::at(edge, t) });
         }
     }
     halved(by)
 }
 
-/// The longest edge of a part; of equal ones that with the least vertices.
-fn longest(parts: &Subdivision, part: &Part) -> [u32; 2] {
-    let length = |e: &[u32; 2]| {
-        let [a, b] = e.map(|v| parts.vertices[v as usize]);
-        (b - a).length_squared()
-    };
+/// Whether a point of the screen lies within what is seen of a face.
+fn encloses(curve: &Curve, face: [DVec3; 3], p: DVec2) -> bool {
+    let seen = face.map(|v| curve.see(v).0);
+    let left = [0, 1, 2].map(|k| turn(seen[k], seen[(k + 1) % 3], p));
+    left.iter().all(|&x| x > 0.0) || left.iter().all(|&x| x < 0.0)
+}
+
+/// Whether the curve bends away from the diagonal of a quadrilateral that it cuts out of a part; the part's
+/// edges meet it so.
+fn inner_bend(
+    parts: &Subdivision,
+    curve: &Curve,
+    tolerance: f64,
+    part: &Part,
+    met: [Meets; 6],
+) -> Option<Bend> {
     let all = edges(part.vertices);
+    // Edge k lies opposite edge 5 - k: a quadrilateral misses two opposite ones.
+    let missed = (0..3).find(|&k| !matches!((met[k], met[5 - k]), (Meets::Once(_), Meets::Once(_))))?;
+    let [k, l] = match missed {
+        0 => [1, 2],
+        1 => [0, 2],
+        _ => [0, 1],
+    };
+    let (Meets::Once(a), Meets::Once(b)) = (met[k], met[5 - k]) else { return None };
+    let (Meets::Once(c), Meets::Once(d)) = (met[l], met[5 - l]) else { return None };
+    // The diagonal starts where the first of the four edges will be split.
+    let rank = |k: usize, x: &Crossing| (curve.sharpness(x, tolerance), length_squared(parts, all[k]));
+    let ends = [(k, a), (5 - k, b), (l, c), (5 - l, d)].map(|(k, x)| (rank(k, &x), all[k], k));
+    let first = ends
+        .into_iter()
+        .max_by(|x, y| x.0.0.total_cmp(&y.0.0).then(x.0.1.total_cmp(&y.0.1)).then(y.1.cmp(&x.1)))?;
+    let (x, y) = if first.2 == k || first.2 == 5 - k { (a, b) } else { (c, d) };
+    let (by, _) = curve.strays(&x, &y, tolerance)?;
+    if curve.straight(&x, &y, tolerance) {
+        return None;
+    }
+    Some(Bend { by, split: Split::at(longest(parts, all), 0.5) })
+}
+
+/// The longest of some edges; of equal ones that with the least vertices.
+fn longest<const N: usize>(parts: &Subdivision, all: [[u32; 2]; N]) -> [u32; 2] {
+    let length = |e: &[u32; 2]| length_squared(parts, *e);
     all.into_iter().max_by(|x, y| length(x).total_cmp(&length(y)).then(y.cmp(x))).unwrap_or(all[0])
+}
+
+fn length_squared(parts: &Subdivision, edge: [u32; 2]) -> f64 {
+    let [a, b] = edge.map(|v| parts.vertices[v as usize]);
+    (b - a).length_squared()
 }

@@ -36,6 +36,15 @@ pub(super) struct Split {
     pub(super) edge: [u32; 2],
     /// The new vertex's place, from 0 at the first vertex to 1 at the second.
     pub(super) t: f64,
+    /// Splits of higher rank come first.
+    pub(super) rank: f64,
+}
+
+impl Split {
+    /// A split of no special rank.
+    pub(super) fn at(edge: [u32; 2], t: f64) -> Self {
+        Self { edge, t, rank: 0.0 }
+    }
 }
 
 /// A mesh whose tetrahedra are being divided.
@@ -87,7 +96,7 @@ impl Subdivision {
     /// Splits edges, sorted and each once, at a new vertex each, which are numbered in the same order. The
     /// parts that changed or were added are returned.
     ///
-    /// Every part is bisected at its split edges one after the other, the longest first. This order is the
+    /// Every part is bisected at its split edges one after the other, by rank, then the longest first. This order is the
     /// same for all parts, and how it divides a face depends only on the face: so parts on both sides of
     /// it agree. A bisection of a positive tetrahedron within an edge leaves two positive ones.
     ///
@@ -164,8 +173,11 @@ impl Subdivision {
             let part = &self.parts[i as usize];
             let (mut list, n) = marked(splits, part);
             let list = &mut list[..n];
-            let longer = |a: &u32, b: &u32| lengths[*b as usize].total_cmp(&lengths[*a as usize]);
-            list.sort_unstable_by(|a, b| longer(a, b).then(a.cmp(b)));
+            let key = |s: u32| (splits[s as usize].rank, lengths[s as usize]);
+            list.sort_unstable_by(|&a, &b| {
+                let (x, y) = (key(a), key(b));
+                y.0.total_cmp(&x.0).then(y.1.total_cmp(&x.1)).then(a.cmp(&b))
+            });
             let start = slices.len();
             let weights = if part.weights == WHOLE { IDENTITY } else { self.weights[part.weights as usize] };
             slices.push(Slice { vertices: part.vertices, faces: part.faces, weights });

@@ -66,7 +66,7 @@ pub(super) struct Fit {
 /// Below this determinant of J·\[R S T\] a tetrahedron counts as inverted.
 const INVERTED: f64 = 1e-6;
 /// The least determinant over the product of the column lengths: less is sheared flat.
-const SHEAR: f64 = 0.15;
+const SHEAR: f64 = 0.01;
 
 /// Scratch memory of one worker: a clump's members by tetrahedron, and the first of its vertices by mesh
 /// vertex.
@@ -94,7 +94,7 @@ struct Corner {
 
 /// How far, in units of texture, a prediction may lie from a vertex that it takes for its own; an edge's
 /// length where that is more.
-const SAME: f64 = 0.5;
+const SAME: f64 = 0.35;
 
 /// The tetrahedron was judged and may not join.
 const REJECTED: u32 = NONE - 1;

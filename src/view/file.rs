@@ -155,13 +155,11 @@ fn check_keys(
     name: Option<&'static str>,
     known: &[&'static str],
 ) -> Result<(), ViewFileProblem> {
-    for key in table.keys().filter(|k| !known.contains(&k.as_str())) {
-        let likeness = |k: &str| strsim::jaro_winkler(key, k);
-        let nearest = known.iter().copied().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
-        let nearest = nearest.filter(|n| likeness(n) > 0.6);
-        return Err(ViewFileProblem::UnknownKey { key: key.clone(), table: name, nearest });
-    }
-    Ok(())
+    let Some(key) = table.keys().find(|k| !known.contains(&k.as_str())) else { return Ok(()) };
+    let likeness = |k: &str| strsim::jaro_winkler(key, k);
+    let nearest = known.iter().copied().max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+    let nearest = nearest.filter(|n| likeness(n) > 0.6);
+    Err(ViewFileProblem::UnknownKey { key: key.clone(), table: name, nearest })
 }
 
 fn number(v: &Value) -> Option<f64> {
