@@ -32,7 +32,6 @@ use serde::{Deserialize, Serialize};
 use crate::exec::{Cancelled, Exec};
 use crate::lap::LappedSolid;
 use crate::view::{Camera, CameraError, Stroke, StrokeError};
-use curve::Curve;
 use curve::{Crossing, Curve};
 use subdivide::Subdivision;
 
@@ -266,7 +265,6 @@ enum Sheet {
     /// normal · x = offset, the normal of unit length.
     Plane { normal: DVec3, offset: f64, given: f64, length: f64 },
     /// The sheet that a curve on the screen sweeps along the view.
-    Screen(Curve),
     Screen(Box<Curve>),
 }
 
@@ -282,7 +280,6 @@ impl Sheet {
                 Ok(Self::Plane { normal: *normal / length, offset: offset / length, given: *offset, length })
             }
             CutSurface::Stroke { stroke, camera } => {
-                Ok(Self::Screen(Curve::new(&stroke.cleaned()?, camera, &solid.mesh.vertices)?))
                 Ok(Self::Screen(Box::new(Curve::new(&stroke.cleaned()?, camera, &solid.mesh.vertices)?)))
             }
         }
@@ -296,8 +293,6 @@ impl Sheet {
         }
     }
 
-    /// Where the edge from a to b, which lie on different sides, crosses the sheet, as a part of it.
-    fn crossing(&self, a: DVec3, b: DVec3) -> f64 {
     /// Where the edge from a to b, which lie on different sides, crosses the sheet, as a part of it, and
     /// what a curve makes of it.
     fn crossing(&self, a: DVec3, b: DVec3, tolerance: f64) -> (f64, Option<Crossing>) {
@@ -305,9 +300,6 @@ impl Sheet {
             Self::Plane { normal, offset, .. } => {
                 let (da, db) = (normal.dot(a) - offset, normal.dot(b) - offset);
                 // One is ≥ 0 and the other < 0.
-                (da / (da - db)).clamp(0.0, 1.0)
-            }
-            Self::Screen(curve) => curve.crossing(a, b),
                 ((da / (da - db)).clamp(0.0, 1.0), None)
             }
             Self::Screen(curve) => curve.crossing(a, b, tolerance),
