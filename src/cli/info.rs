@@ -207,7 +207,9 @@ fn lapped_solid(report: &mut Report, solid: &LappedSolid, at: &[DVec3]) {
     #[allow(clippy::cast_precision_loss)]
     let mean = solid.layer_patch.len() as f64 / solid.mesh.tets.len().max(1) as f64;
     report.measure("layers_mean", mean);
-    report.measure("settings", solid.settings.clone());
+    if !solid.settings.is_null() {
+        report.measure("settings", solid.settings.clone());
+    }
     if !at.is_empty() {
         let locator = TetLocator::new(&solid.mesh);
         let points: Vec<Value> = at.iter().map(|&p| point(solid, &locator, p)).collect();

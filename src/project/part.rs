@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::DVec3;
+use serde_json::json;
 
 use crate::exec::{Cancelled, Exec};
 use crate::field::{
@@ -286,11 +287,29 @@ pub fn fill_part(
     let fields = fields(part, &mesh, &mut report, exec)?;
     report.took("fields", start);
     let start = Instant::now();
-    let (solid, filled) = lap::fill(mesh, Arc::new(texture), part.kind, &fields, &part.fill, seed, exec)
+    let (mut solid, filled) = lap::fill(mesh, Arc::new(texture), part.kind, &fields, &part.fill, seed, exec)
         .map_err(PartError::Fill)?;
+    solid.settings = settings(part, seed);
     report.add(&filled);
     report.took("fill", start);
     Ok((solid, report))
+}
+
+/// What made a model, for the record: every setting, but no path.
+fn settings(part: &Part, seed: u64) -> serde_json::Value {
+    let direction = part.direction.as_ref().map(|d| match d {
+        DirectionInput::Constant(v) => json!({ "constant": v }),
+        DirectionInput::Strokes(strokes, params) => json!({ "stroke": strokes, "smooth": params }),
+    });
+    json!({
+        "type": part.kind,
+        "seed": seed,
+        "mesh": part.tets,
+        "depth": part.depth.as_ref().map(|d| json!({ "paint": d.paint, "fit": d.params })),
+        "direction": direction,
+        "scale": part.scale.as_ref().map(|s| json!({ "everywhere": s.everywhere, "at": s.at })),
+        "fill": part.fill,
+    })
 }
 
 fn fields(part: &Part, mesh: &TetMesh, report: &mut Report, exec: &Exec) -> Result<Fields, PartError> {

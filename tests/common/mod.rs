@@ -64,6 +64,10 @@ impl Bench {
     pub(crate) fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(assert_cmd::cargo::cargo_bin!("lapis"));
         command.args(arguments.split_whitespace()).current_dir(self.dir.path()).env_remove("LAPIS_TETGEN");
+        if cfg!(feature = "tetgen") {
+            // The embedded mesher, whatever is installed.
+            command.env("PATH", "");
+        }
         command
     }
 
@@ -164,4 +168,35 @@ pub(crate) fn volume(n: usize) -> Vec<u8> {
         }
     }
     bytes
+}
+
+/// A rounded cube of 6·n³ tetrahedra, from −1 to 1, as TetGen's `.node` and `.ele`: no mesher needed.
+pub(crate) fn tets(n: usize) -> (String, String) {
+    let side = n + 1;
+    let at = |c: [usize; 3]| (c[2] * side + c[1]) * side + c[0];
+    let mut nodes = format!("{} 3 0 0\n", side.pow(3));
+    for v in 0..side.pow(3) {
+        let p = [v % side, v / side % side, v / side / side].map(|c| 2.0 * c as f64 / n as f64 - 1.0);
+        let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let most = p.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        let round = if length > 0.0 { 0.4 + 0.6 * most / length } else { 1.0 };
+        writeln!(nodes, "{v} {} {} {}", p[0] * round, p[1] * round, p[2] * round).unwrap();
+    }
+    let mut cells = format!("{} 4 0\n", 6 * n.pow(3));
+    let mut count = 0;
+    for cube in 0..n.pow(3) {
+        let corner = [cube % n, cube / n % n, cube / n / n];
+        // One tetrahedron for each way from the corner to the opposite one.
+        for way in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
+            let mut c = corner;
+            write!(cells, "{count} {}", at(c)).unwrap();
+            for axis in way {
+                c[axis] += 1;
+                write!(cells, " {}", at(c)).unwrap();
+            }
+            cells.push('\n');
+            count += 1;
+        }
+    }
+    (nodes, cells)
 }
