@@ -13,6 +13,7 @@
 use glam::{DQuat, DVec3};
 
 use super::coverage::{MaskTable, POINTS, Presence, lattice_point, sample_lattice};
+use super::feather::feathered;
 use super::frames::{PatchFrames, TetFrames};
 use super::optimise::{Element, optimise};
 use super::params::FillParams;
@@ -44,7 +45,10 @@ pub(super) struct Seed {
 
 /// A grown and fitted patch.
 pub(super) struct Pasted {
+    /// The number of its mask.
     pub(super) mask: u32,
+    /// A mask of its own instead, faded out before the clump ends.
+    pub(super) own: Option<AlphaMask>,
     pub(super) tets: Vec<u32>,
     pub(super) uvw: Vec<[[f32; 3]; 4]>,
     /// Mask at the lattice points of each tetrahedron; `None` where it is 255 at all of them.
@@ -63,10 +67,12 @@ pub(super) struct Fit {
     pub(super) cut_edge: f64,
 }
 
+/// Where a clump ends at a mask above this, its facets show.
+const SEAM: f32 = 16.0 / 255.0;
 /// Below this determinant of J·\[R S T\] a tetrahedron counts as inverted.
 const INVERTED: f64 = 1e-6;
 /// The least determinant over the product of the column lengths: less is sheared flat.
-const SHEAR: f64 = 0.01;
+const SHEAR: f64 = 0.02;
 
 /// Scratch memory of one worker: a clump's members by tetrahedron, and the first of its vertices by mesh
 /// vertex.
@@ -94,7 +100,7 @@ struct Corner {
 
 /// How far, in units of texture, a prediction may lie from a vertex that it takes for its own; an edge's
 /// length where that is more.
-const SAME: f64 = 0.35;
+const SAME: f64 = 0.7;
 
 /// The tetrahedron was judged and may not join.
 const REJECTED: u32 = NONE - 1;
@@ -454,10 +460,24 @@ impl<'a> Clump<'a> {
         }
     }
 
+    /// A mask that fades out before the clump ends, where the clump ends inside the shared one.
+    fn feathered(&self) -> Option<AlphaMask> {
+        let facets: Vec<[DVec3; 3]> = (self.edge_faces().into_iter())
+            .map(|(m, k, _)| TET_FACES[k].map(|i| self.corners[self.members[m].corners[i] as usize].uvw))
+            .filter(|f| mask_on_face(self.mask, &f.map(|p| p.as_vec3().to_array()), SEAM) > 0.0)
+            .collect();
+        feathered(self.mask, &facets, self.centre, self.ground.params.mask.drop_off)
+    }
+
     fn paste(&self) -> Pasted {
         let mesh = self.ground.mesh;
+        let own = self.feathered();
+        let own_table = own.as_ref().map(MaskTable::new);
+        let mask = own.as_ref().unwrap_or(self.mask);
+        let table = own_table.as_ref().unwrap_or(self.table);
         let mut pasted = Pasted {
             mask: self.seed.mask,
+            own: None,
             tets: Vec::new(),
             uvw: Vec::new(),
             alpha: Vec::new(),
@@ -465,10 +485,10 @@ impl<'a> Clump<'a> {
         };
         for m in &self.members {
             let uvw = self.uvw(m);
-            let alpha = match self.table.over_points(&uvw) {
+            let alpha = match table.over_points(&uvw) {
                 Presence::Absent => continue,
                 Presence::Opaque => None,
-                Presence::Partial => Some(Box::new(sample_lattice(self.mask, &uvw))),
+                Presence::Partial => Some(Box::new(sample_lattice(mask, &uvw))),
             };
             let present = alpha.as_ref().is_none_or(|a| a.iter().any(|&a| a > 0));
             if present {
@@ -486,7 +506,7 @@ impl<'a> Clump<'a> {
             pasted.uvw.push(uvw);
             pasted.alpha.push(alpha);
         }
-        for (m, k, _n) in self.edge_faces() {
+        for (m, k, _) in self.edge_faces() {
             let member = &self.members[m];
             let [a, b, c] =
                 TET_FACES[k].map(|i| mesh.vertices[self.corners[member.corners[i] as usize].vertex as usize]);
@@ -494,22 +514,9 @@ impl<'a> Clump<'a> {
             let corners = self.uvw(member);
             let face = TET_FACES[k].map(|i| corners[i]);
             pasted.fit.edge += area;
-            pasted.fit.cut_edge += area * mask_on_face(self.mask, &face, 16.0 / 255.0);
-            if std::env::var("DBG").is_ok() {
-                let w = self.work.tet[_n as usize];
-                let kind = if w == REJECTED {
-                    if self.frames.agreement(_n as usize) < self.agreement { "angle" } else { "bad" }
-                } else if w == NONE {
-                    "none"
-                } else {
-                    "slit"
-                };
-                let d = face[0][1].max(face[1][1]).max(face[2][1]);
-                let r = (a + b + c) / 3.0;
-                let cut = area * mask_on_face(self.mask, &face, 16.0 / 255.0);
-                eprintln!("EDGE {kind} {d:.2} {:.1} {:.1} {cut:.2}", r.truncate().length(), r.z.abs());
-            }
+            pasted.fit.cut_edge += area * mask_on_face(mask, &face, SEAM);
         }
+        pasted.own = own;
         pasted
     }
 }

@@ -182,8 +182,11 @@ pub fn fill(
             tables: &tables,
             params,
         };
-        let lapped = lap(&ground, seed, exec)?;
-        let stacks = stack(&ground, &lapped.pasted, exec)?;
+        let mut lapped = lap(&ground, seed, exec)?;
+        let own: Vec<MaskTable> = lapped.own.par_iter().map(MaskTable::new).collect();
+        let masks: Vec<AlphaMask> = masks.into_iter().chain(std::mem::take(&mut lapped.own)).collect();
+        let tables: Vec<MaskTable> = tables.into_iter().chain(own).collect();
+        let stacks = stack(&mesh, &masks, &tables, &lapped.pasted, exec)?;
         let frame = frames.at_vertices(&mesh);
         let (solid, hidden) = assemble(mesh, depth, frame, masks, texture, &lapped.pasted, &stacks);
         let mut measures = FillMeasures::new(&solid, &lapped.fit, lapped.uncovered, kind.depth_varying());
@@ -281,6 +284,8 @@ fn check_scale(mesh: &TetMesh, frames: &TetFrames, params: &FillParams) -> Resul
 
 struct Lapped {
     pasted: Vec<Pasted>,
+    /// Masks of single patches, numbered after the shared ones.
+    own: Vec<AlphaMask>,
     fit: Vec<Fit>,
     rounds: usize,
     uncovered: usize,
@@ -294,7 +299,7 @@ fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError>
     let mut open: Vec<u32> = (0..count as u32).collect();
     let spares: Mutex<Vec<Workspace>> = Mutex::new(Vec::new());
     let stage = exec.stage("fill", count as u64);
-    let mut lapped = Lapped { pasted: Vec::new(), fit: Vec::new(), rounds: 0, uncovered: 0 };
+    let mut lapped = Lapped { pasted: Vec::new(), own: Vec::new(), fit: Vec::new(), rounds: 0, uncovered: 0 };
     while !open.is_empty() {
         let length = &ground.frames.length;
         let spots = spots(mesh, &coverage, &open, length, ground.params.spacing, seed, lapped.rounds as u64);
@@ -344,6 +349,10 @@ fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError>
                     lapped.uncovered += 1;
                 }
                 pasted.alpha = Vec::new();
+                if let Some(own) = pasted.own.take() {
+                    pasted.mask = (ground.masks.len() + lapped.own.len()) as u32;
+                    lapped.own.push(own);
+                }
                 lapped.fit.push(std::mem::take(&mut pasted.fit));
                 lapped.pasted.push(pasted);
             }
@@ -366,8 +375,14 @@ fn mask_for(ground: &Ground<'_>, tet: u32, point: u8) -> u32 {
 type Slot = (u32, u32);
 
 /// The layers of each tetrahedron that can be seen, oldest first.
-fn stack(ground: &Ground<'_>, pasted: &[Pasted], exec: &Exec) -> Result<Vec<(Vec<Slot>, usize)>, FillError> {
-    let mut all: Vec<Vec<Slot>> = vec![Vec::new(); ground.mesh.tets.len()];
+fn stack(
+    mesh: &TetMesh,
+    masks: &[AlphaMask],
+    tables: &[MaskTable],
+    pasted: &[Pasted],
+    exec: &Exec,
+) -> Result<Vec<(Vec<Slot>, usize)>, FillError> {
+    let mut all: Vec<Vec<Slot>> = vec![Vec::new(); mesh.tets.len()];
     for (p, patch) in pasted.iter().enumerate() {
         for (slot, &t) in patch.tets.iter().enumerate() {
             all[t as usize].push((p as u32, slot as u32));
@@ -383,11 +398,7 @@ fn stack(ground: &Ground<'_>, pasted: &[Pasted], exec: &Exec) -> Result<Vec<(Vec
                 .map(|&(p, slot)| {
                     let patch = &pasted[p as usize];
                     let mask = patch.mask as usize;
-                    Layer {
-                        uvw: &patch.uvw[slot as usize],
-                        mask: &ground.masks[mask],
-                        table: &ground.tables[mask],
-                    }
+                    Layer { uvw: &patch.uvw[slot as usize], mask: &masks[mask], table: &tables[mask] }
                 })
                 .collect();
             let seen = visible(&layers);
@@ -407,17 +418,26 @@ fn assemble(
     pasted: &[Pasted],
     stacks: &[(Vec<Slot>, usize)],
 ) -> (LappedSolid, usize) {
-    // Patches of which nothing shows are dropped too; the others keep their order.
+    // Patches of which nothing shows are dropped too, and masks of no patch; the others keep their order.
     let mut used = vec![false; pasted.len()];
     for (p, _) in stacks.iter().flat_map(|s| &s.0) {
         used[*p as usize] = true;
     }
     let mut number = vec![0u32; pasted.len()];
     let mut patches = Vec::new();
+    let mut mask_number: Vec<Option<u32>> = vec![None; masks.len()];
+    let mut kept = Vec::new();
     for (p, _) in used.iter().enumerate().filter(|(_, used)| **used) {
         number[p] = patches.len() as u32;
-        patches.push(Patch { exemplar: 0, mask: pasted[p].mask });
+        let mask = pasted[p].mask as usize;
+        let mask = *mask_number[mask].get_or_insert_with(|| {
+            kept.push(mask);
+            kept.len() as u32 - 1
+        });
+        patches.push(Patch { exemplar: 0, mask });
     }
+    let mut masks: Vec<Option<AlphaMask>> = masks.into_iter().map(Some).collect();
+    let masks = kept.into_iter().filter_map(|m| masks[m].take()).map(Arc::new).collect();
     let mut layer_start = vec![0u32];
     let mut layer_patch = Vec::new();
     let mut layer_uvw = Vec::new();
@@ -440,7 +460,7 @@ fn assemble(
         layer_uvw,
         patches,
         exemplars: vec![texture],
-        masks: masks.into_iter().map(Arc::new).collect(),
+        masks,
         tet_origin,
         cuts: 0,
         settings: serde_json::Value::Null,

@@ -33,7 +33,7 @@ const LONGEST: f64 = 3.0;
 const SHORTEST: f64 = 1.0 / 4.0;
 
 /// The most that a frame may turn over one unit of texture, in radians.
-const TURN: f64 = 7.0;
+const TURN: f64 = 2.0;
 /// The least length, in medians, that is left where frames turn fast.
 const LEAST: f64 = 0.3;
 

@@ -2,6 +2,7 @@
 
 mod clump;
 mod coverage;
+mod feather;
 mod file;
 mod fill;
 mod frames;

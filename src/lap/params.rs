@@ -9,10 +9,10 @@ use crate::volume::SplotchParams;
 #[serde(deny_unknown_fields, default)]
 pub struct FillParams {
     /// Largest angle between a tetrahedron's frame and its patch's seed's, in degrees, above 0 to 180
-    #[arg(long, default_value_t = 75.0, value_name = "DEGREES")]
+    #[arg(long, default_value_t = 150.0, value_name = "DEGREES")]
     pub max_angle_deg: f64,
     /// Largest stretch of the texture, as a factor, either way; more than 1
-    #[arg(long, default_value_t = 3.0, value_name = "FACTOR")]
+    #[arg(long, default_value_t = 20.0, value_name = "FACTOR")]
     pub max_stretch: f64,
     /// How often a patch may grow again after it has been optimised, 0 to 16
     #[arg(long, default_value_t = 3, value_name = "N")]
@@ -31,8 +31,8 @@ pub struct FillParams {
 impl Default for FillParams {
     fn default() -> Self {
         Self {
-            max_angle_deg: 75.0,
-            max_stretch: 3.0,
+            max_angle_deg: 150.0,
+            max_stretch: 20.0,
             regrow: 3,
             spacing: 0.42,
             max_patches: 1_000_000,

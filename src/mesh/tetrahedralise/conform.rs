@@ -15,7 +15,7 @@ use crate::exec::{Cancelled, Exec};
 use crate::mesh::mesher::{Answer, Job, MesherError};
 
 /// Rounds after which it is left to TetGen to respect the surface.
-const ROUNDS: usize = 24;
+const ROUNDS: usize = 40;
 
 /// A round's result.
 pub(super) enum Conformed {
@@ -54,8 +54,9 @@ pub(super) fn conform(
         missing.edges =
             edges.into_iter().filter(|edge| !splitter.flip(*edge, |face| missing.there(face))).collect();
         for edge in repair(&missing, &answer.points[..own], inner) {
-            splitter.split(edge);
+            splitter.split_below(edge);
         }
+        splitter.flip_all();
     }
     Ok(Conformed::No)
 }

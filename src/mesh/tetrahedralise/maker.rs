@@ -187,7 +187,13 @@ impl<'a> Maker<'a> {
         let mut surface = prepared.surface.clone();
         let (simple, surface_splits) = (prepared.simple.clone(), prepared.splits);
         let mut cells = match self.connect(&mut surface, outer, inner)? {
-            Some(cells) => cells,
+            Some(cells) => {
+                // What was needed once to follow this surface will be needed again.
+                if let Some((_, _, prepared)) = &mut self.prepared {
+                    prepared.surface = surface.clone();
+                }
+                cells
+            }
             None => {
                 surface = prepared.surface;
                 self.fill(&self.in_box(&surface.mesh), inner * self.frame.scale)?

@@ -11,6 +11,8 @@ const PATIENCE: usize = 4;
 const MOST: usize = 8;
 /// How far apart, as a logarithm, the edge lengths of surface and inside may be.
 const APART: f64 = 0.3;
+/// How far below the coarsest inside that the input's own surface bears its trials begin.
+const START: f64 = 0.5;
 /// Tetrahedra that a triangle forces at least, for all that is known before a trial.
 const FORCED: f64 = 1.4;
 
@@ -49,10 +51,12 @@ fn better(a: Made, b: Made, goal: f64) -> Made {
 /// The best of some trials on one kind of surface.
 fn look(maker: &mut Maker<'_>, goal: f64, simplify: bool) -> Result<Made, TetError> {
     // Logarithms of the edge lengths of the surface and of the inside. The inside's is varied alone as long
-    // as the two are nearly the same: the surface follows in jumps.
-    let mut outer = maker.edge_for(goal).ln();
-    let mut inner = outer;
+    // as the two are nearly the same, because the surface follows in jumps; then both together.
     let coarsest = maker.coarsest().ln();
+    let start = maker.edge_for(goal).ln();
+    let mut outer = if simplify { start } else { start.min(coarsest - START) };
+    let mut inner = outer;
+    let mut both: Vec<Trial> = Vec::new();
     let mut trials: Vec<Trial> = Vec::new();
     let mut best: Option<Made> = None;
     let mut failed = 0;
@@ -74,6 +78,9 @@ fn look(maker: &mut Maker<'_>, goal: f64, simplify: bool) -> Result<Made, TetErr
         let excess = (made.count() as f64 / goal).ln();
         let as_it_is = made.surface_as_it_is();
         trials.push(Trial { edge: inner, excess });
+        if inner == outer {
+            both.push(Trial { edge: outer, excess });
+        }
         best = Some(match best {
             Some(other) => better(made, other, goal),
             None => made,
@@ -88,8 +95,9 @@ fn look(maker: &mut Maker<'_>, goal: f64, simplify: bool) -> Result<Made, TetErr
             // The input's own surface decides, and another edge length would leave it as it is.
             _ if as_it_is && excess > 0.0 => break,
             _ => {
-                outer += (excess / 2.2).clamp(-1.2, 1.2);
-                inner = outer;
+                let Some(next) = propose(&both).filter(|next| *next != outer) else { break };
+                outer = next;
+                inner = next;
                 trials.clear();
             }
         }

@@ -64,6 +64,7 @@ impl Surface {
                 }
             }
         }
+        splitter.flip_all();
         Ok(splits)
     }
 }
@@ -97,11 +98,35 @@ impl<'a> Splitter<'a> {
 
     /// Splits an edge and its triangles at its middle, and gives the new edges; `None` if there is no such
     /// edge.
-    pub(super) fn split(&mut self, [a, b]: [u32; 2]) -> Option<Vec<[u32; 2]>> {
+    pub(super) fn split(&mut self, edge: [u32; 2]) -> Option<Vec<[u32; 2]>> {
+        self.split_at(edge, 0.5)
+    }
+
+    /// Splits an edge below the vertex that lies deepest in the ball around it, if one does: there both
+    /// halves are safe from that vertex.
+    pub(super) fn split_below(&mut self, [a, b]: [u32; 2]) -> Option<Vec<[u32; 2]>> {
+        let Surface { mesh: TriMesh { vertices, triangles }, .. } = &*self.surface;
+        let (p, q) = (vertices[a as usize], vertices[b as usize]);
+        let mut part = 0.5;
+        let mut widest = 0.0;
+        for t in self.at_edge.get(&[a, b])? {
+            let Some(tip) = triangles[*t as usize].into_iter().find(|v| *v != a && *v != b) else { continue };
+            let c = vertices[tip as usize];
+            let obtuse = -(p - c).normalize_or_zero().dot((q - c).normalize_or_zero());
+            if obtuse > widest {
+                widest = obtuse;
+                part = ((c - p).dot(q - p) / q.distance_squared(p)).clamp(0.25, 0.75);
+            }
+        }
+        self.split_at([a, b], part)
+    }
+
+    fn split_at(&mut self, [a, b]: [u32; 2], part: f64) -> Option<Vec<[u32; 2]>> {
         let around = self.at_edge.remove(&[a, b])?;
         let Surface { mesh: TriMesh { vertices, triangles }, origin } = &mut *self.surface;
         let middle = index(vertices.len());
-        vertices.push(vertices[a as usize].midpoint(vertices[b as usize]));
+        let (p, q) = (vertices[a as usize], vertices[b as usize]);
+        vertices.push(if part == 0.5 { p.midpoint(q) } else { p.lerp(q, part) });
         let mut new_edges = vec![sorted(a, middle), sorted(middle, b)];
         for t in around {
             // The half at `a` keeps the triangle's place, the half at `b` comes last.
@@ -139,6 +164,41 @@ impl Splitter<'_> {
     /// input (or nearly in a plane, on a simplified surface) and the new triangles are `wanted`.
     pub(super) fn flip(&mut self, edge: [u32; 2], wanted: impl Fn([u32; 3]) -> bool) -> bool {
         self.try_flip(edge, wanted).is_some()
+    }
+
+    /// Makes the triangles on each triangle of the input Delaunay: flips edges whose opposite angles add up to
+    /// more than two right ones (Lawson). A simplified surface is no plane, and stays as it is.
+    pub(super) fn flip_all(&mut self) {
+        if self.surface.origin.is_none() {
+            return;
+        }
+        let mut open: Vec<[u32; 2]> = self.surface.mesh.triangles.iter().flat_map(|t| edges(*t)).collect();
+        open.sort_unstable();
+        open.dedup();
+        // Each flip lowers the triangulation towards the one Delaunay one; the limit is for rounding.
+        let mut left = 16 * open.len();
+        while let Some(edge) = open.pop() {
+            let Some([c, d]) = self.tips(edge) else { continue };
+            let [a, b] = edge;
+            let at = |v: u32| self.surface.mesh.vertices[v as usize];
+            let cosine =
+                |tip: u32| (at(a) - at(tip)).normalize_or_zero().dot((at(b) - at(tip)).normalize_or_zero());
+            let (x, y) = (cosine(c).clamp(-1.0, 1.0).acos(), cosine(d).clamp(-1.0, 1.0).acos());
+            if x + y > std::f64::consts::PI + 1e-6 && self.try_flip(edge, |_| true).is_some() {
+                open.extend([sorted(a, c), sorted(c, b), sorted(b, d), sorted(d, a)]);
+            }
+            left -= 1;
+            if left == 0 {
+                break;
+            }
+        }
+    }
+
+    /// The vertices opposite an edge of two triangles.
+    fn tips(&self, edge: [u32; 2]) -> Option<[u32; 2]> {
+        let &[s, t] = &self.at_edge.get(&edge)?[..] else { return None };
+        let tip = |t: u32| self.surface.mesh.triangles[t as usize].into_iter().find(|v| !edge.contains(v));
+        Some([tip(s)?, tip(t)?])
     }
 
     fn try_flip(&mut self, edge: [u32; 2], wanted: impl Fn([u32; 3]) -> bool) -> Option<()> {
