@@ -182,3 +182,58 @@ fn the_sample_project_is_read() {
     assert_eq!(json["measures"]["name"], "kiwi");
     assert_eq!(json["measures"]["type"], "2b");
 }
+
+#[test]
+fn the_guide_has_every_key_and_its_examples_work() {
+    let guide = include_str!("../docs/project-file.md");
+    let examples: Vec<&str> =
+        guide.split("```toml\n").skip(1).map(|e| e.split("```").next().unwrap()).collect();
+    assert_eq!(examples.len(), 2);
+    for example in &examples {
+        let folder = std::path::Path::new("");
+        lapis::project::Project::from_toml(example, folder, "guide")
+            .unwrap_or_else(|e| panic!("{e}\n{example}"));
+    }
+    // Every table is asked for the keys that it knows.
+    let bench = bench();
+    for (table, prefix) in [
+        ("", ""),
+        ("[mesh]", ""),
+        ("[texture]", ""),
+        ("[depth]", ""),
+        ("[[depth.stroke]]", "stroke."),
+        ("[depth.fit]", "fit."),
+        ("[direction]", ""),
+        ("[[direction.stroke]]", "stroke."),
+        ("[direction.smooth]", "smooth."),
+        ("[scale]", ""),
+        ("[[scale.at]]", "at."),
+        ("[fill]", ""),
+        ("[fill.mask]", "mask."),
+        ("[[cut]]", ""),
+        ("[cut.camera]", ""),
+        ("[cut.params]", "params."),
+        ("[[picture]]", ""),
+        ("[picture.render]", "render."),
+        ("[export]", ""),
+        ("[export.atlas]", "atlas."),
+        ("[export.ply]", "ply."),
+    ] {
+        let parent = match table {
+            "[cut.camera]" | "[cut.params]" => "[[cut]]\nname = \"a\"\n",
+            "[picture.render]" => "[[picture]]\nname = \"a\"\n",
+            _ => "",
+        };
+        bench.file("p.toml", format!("{parent}{table}\nqqqqqqqqqqqqqqqqqqqqqqqq = 1\n"));
+        let done = bench.run("run p.toml");
+        done.refused(1, &["unknown key"]);
+        let err = done.err();
+        let known = err.split("known here: ").nth(1).unwrap_or_else(|| panic!("{table}: {err}"));
+        for key in known.trim().split(", ") {
+            let is_table = guide.contains(&format!("`[{key}]`")) || guide.contains(&format!("`[[{key}]]`"));
+            let is_below = guide.contains(&format!("`{key}."));
+            let is_key = guide.contains(&format!("`{prefix}{key}`"));
+            assert!(is_table || is_below || is_key, "docs/project-file.md has nothing of {table} {key}");
+        }
+    }
+}

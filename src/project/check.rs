@@ -70,7 +70,7 @@ pub(super) fn repeated<'a>(names: impl Iterator<Item = &'a str>) -> Option<&'a s
 }
 
 fn finite(key: &str, points: &[DVec3]) -> Result<(), ProjectProblem> {
-    match points.iter().flat_map(|p| p.to_array()).find(|x| !x.is_finite()) {
+    match points.iter().flat_map(DVec3::to_array).find(|x| !x.is_finite()) {
         Some(value) => {
             Err(ProjectProblem::Range { key: key.to_owned(), value, range: "coordinates must be finite" })
         }

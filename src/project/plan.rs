@@ -92,7 +92,7 @@ impl Project {
             let stem = path.file_stem().and_then(|s| s.to_str()).unwrap_or("model");
             Self::from_toml(&text, folder, stem)
         };
-        read().map_err(|problem| ProjectError { path: path.to_owned(), problem })
+        read().map_err(|problem| ProjectError { path: path.to_owned(), problem: Box::new(problem) })
     }
 
     /// Reads the text of a project file. Its paths are relative to `folder`; `name` is the project's name

@@ -16,7 +16,7 @@ pub struct ProjectError {
     pub path: PathBuf,
     /// What is wrong with it.
     #[source]
-    pub problem: ProjectProblem,
+    pub problem: Box<ProjectProblem>,
 }
 
 /// What is wrong with a project file.

@@ -191,7 +191,7 @@ impl Work<'_> {
         exec.check()?;
         let start = Instant::now();
         let stem = self.project.file_stem(model);
-        self.put(format!("{stem}.lapis"), "lapped-solid", &solid.to_bytes())?;
+        self.put(&format!("{stem}.lapis"), "lapped-solid", &solid.to_bytes())?;
         for format in &self.project.export.formats {
             let name = format!("{stem}.{}", format.extension());
             let bytes = match format {
@@ -199,7 +199,7 @@ impl Work<'_> {
                 ExportFormat::Ply => ply(solid, &self.project.export.ply, exec),
             };
             let bytes = bytes.map_err(|source| RunError::Export { name: name.clone(), source })?;
-            self.put(name, format.extension(), &bytes)?;
+            self.put(&name, format.extension(), &bytes)?;
         }
         self.report.took("export", start);
         Ok(())
@@ -237,14 +237,14 @@ impl Work<'_> {
         };
         let failed = |source| RunError::Picture { name: entry.name.clone(), source };
         let drawn = render(&placed, &camera, &entry.render, exec).map_err(failed)?;
-        self.put(format!("{}.png", entry.name), "picture", &drawn.to_png())?;
+        self.put(&format!("{}.png", entry.name), "picture", &drawn.to_png())?;
         self.report.took("render", start);
         Ok(())
     }
 
-    fn put(&mut self, name: String, kind: &str, bytes: &[u8]) -> Result<(), OutputError> {
-        self.folder.add(&name, bytes)?;
-        self.report.output(Path::new(&name), kind);
+    fn put(&mut self, name: &str, kind: &str, bytes: &[u8]) -> Result<(), OutputError> {
+        self.folder.add(name, bytes)?;
+        self.report.output(Path::new(name), kind);
         Ok(())
     }
 
