@@ -98,8 +98,8 @@ impl LappedSolid {
     pub fn to_bytes(&self) -> Vec<u8> {
         let mesh = &self.mesh;
         let (v, t, l) = (mesh.vertices.len(), mesh.tets.len(), self.layer_patch.len());
-        let frame: Vec<f64> = self.frame.iter().flatten().flat_map(|a| a.to_array()).collect();
-        let vertices: Vec<f64> = mesh.vertices.iter().flat_map(|p| p.to_array()).collect();
+        let frame: Vec<f64> = self.frame.iter().flatten().flat_map(glam::DVec3::to_array).collect();
+        let vertices: Vec<f64> = mesh.vertices.iter().flat_map(glam::DVec3::to_array).collect();
         let patch_exemplar: Vec<u32> = self.patches.iter().map(|p| p.exemplar).collect();
         let patch_mask: Vec<u32> = self.patches.iter().map(|p| p.mask).collect();
         let boundary_tet: Vec<u32> = mesh.boundary.iter().map(|f| f.tet).collect();
@@ -352,7 +352,12 @@ impl LappedSolid {
     }
 }
 
-fn value(name: &'static str, index: usize, value: impl ToString, why: &'static str) -> ModelFileError {
+fn value(
+    name: &'static str,
+    index: usize,
+    value: impl std::fmt::Display + Copy,
+    why: &'static str,
+) -> ModelFileError {
     ModelFileError::Value { name, index, value: value.to_string(), why }
 }
 

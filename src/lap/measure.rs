@@ -59,9 +59,8 @@ impl FillMeasures {
         if depth_varying {
             for t in 0..tets {
                 for uvw in &solid.layer_uvw[solid.layers(t)] {
-                    for k in 0..4 {
-                        let d = solid.depth[solid.mesh.tets[t][k] as usize];
-                        depth_error = depth_error.max((f64::from(uvw[k][1]) - d).abs());
+                    for (w, v) in uvw.iter().zip(solid.mesh.tets[t]) {
+                        depth_error = depth_error.max((f64::from(w[1]) - solid.depth[v as usize]).abs());
                     }
                 }
             }

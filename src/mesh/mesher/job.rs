@@ -142,7 +142,7 @@ impl Answer {
 }
 
 fn put_points(out: &mut Vec<u8>, points: &[DVec3]) {
-    out.extend(points.iter().flat_map(|p| p.to_array()).flat_map(f64::to_le_bytes));
+    out.extend(points.iter().flat_map(glam::DVec3::to_array).flat_map(f64::to_le_bytes));
 }
 
 /// Bytes still to be read.

@@ -36,12 +36,12 @@ impl Mesher {
     /// `tetgen` on the `PATH`; else the helper, where the caller has one; else this process.
     #[must_use]
     pub fn find(helper_exe: Option<PathBuf>) -> Self {
-        Self::choose(env::var_os("LAPIS_TETGEN"), env::var_os("PATH"), helper_exe)
+        Self::choose(env::var_os("LAPIS_TETGEN"), env::var_os("PATH").as_deref(), helper_exe)
     }
 
     fn choose(
         named: Option<std::ffi::OsString>,
-        path: Option<std::ffi::OsString>,
+        path: Option<&std::ffi::OsStr>,
         helper_exe: Option<PathBuf>,
     ) -> Self {
         if let Some(program) = named.filter(|p| !p.is_empty()) {
@@ -317,7 +317,7 @@ mod tests {
         let helper = Some(PathBuf::from("/bin/lapis"));
         let path = Some(dir.path().as_os_str().to_owned());
         let find = |named: Option<&str>, helper: &Option<PathBuf>| {
-            Mesher::choose(named.map(Into::into), path.clone(), helper.clone())
+            Mesher::choose(named.map(Into::into), path.as_deref(), helper.clone())
         };
         assert_eq!(find(None, &None), Mesher::InProcess);
         assert_eq!(find(Some(""), &helper), Mesher::Helper("/bin/lapis".into()));

@@ -39,9 +39,12 @@ impl Nodes {
     }
 }
 
+/// Pieces of bytes between newlines, numbered.
+type Split<'a> = std::iter::Enumerate<std::slice::Split<'a, u8, fn(&u8) -> bool>>;
+
 /// A file's lines that say something, without comments, with their numbers from 1.
 struct Lines<'a> {
-    rest: std::iter::Enumerate<std::slice::Split<'a, u8, fn(&u8) -> bool>>,
+    rest: Split<'a>,
     last: usize,
 }
 

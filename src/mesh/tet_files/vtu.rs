@@ -10,8 +10,12 @@ const VTK_TETRA: u8 = 10;
 
 pub(super) fn write(mesh: &TetMesh) -> Vec<u8> {
     let count = mesh.tets.len();
-    let points =
-        array("Float64", "Points", 3, mesh.vertices.iter().flat_map(|p| p.to_array()).map(f64::to_le_bytes));
+    let points = array(
+        "Float64",
+        "Points",
+        3,
+        mesh.vertices.iter().flat_map(glam::DVec3::to_array).map(f64::to_le_bytes),
+    );
     let corners =
         array("Int64", "connectivity", 1, mesh.tets.iter().flatten().map(|v| i64::from(*v).to_le_bytes()));
     let offsets = array("Int64", "offsets", 1, (1..=count as i64).map(|i| (4 * i).to_le_bytes()));

@@ -59,7 +59,7 @@ pub(super) fn inner_points(
 /// Returns how many were added.
 pub(super) fn fill_gaps(points: &mut Vec<DVec3>, middles: &[(DVec3, f64)], locator: &Locator) -> usize {
     let before = points.len();
-    let old = RTree::bulk_load(points.iter().map(|p| p.to_array()).collect());
+    let old = RTree::bulk_load(points.iter().map(glam::DVec3::to_array).collect());
     // A tree of its own: rstar 0.12 can panic on insertion into a tree that was loaded in bulk.
     let mut new: RTree<[f64; 3]> = RTree::new();
     for (p, length) in middles {
