@@ -23,9 +23,11 @@ pub enum Mesher {
     /// The embedded TetGen in a process of its own: this program, called as `PROGRAM __tetgen FOLDER`,
     /// calls [`tetgen_helper`].
     Helper(PathBuf),
-    /// The embedded TetGen (feature `tetgen`) in this process, one run at a time. TetGen can abort the
-    /// process or never return on some meshes, has no limits here, cannot be cancelled while it runs, and
-    /// may print to standard output: for tests, and for library users who know their meshes.
+    /// The embedded TetGen (feature `tetgen`) in this process, one run at a time: for tests, and for library
+    /// users without a helper. Only Delaunay tetrahedra are asked of it, which do for nearly all surfaces;
+    /// the others, on which TetGen can abort the process or never return, are refused. Even so it has no
+    /// limits here, cannot be cancelled while it runs, has live assertions that would abort the process, and
+    /// may print to standard output.
     InProcess,
 }
 
@@ -269,6 +271,35 @@ mod tests {
         let mesher = Mesher::External(script(dir.path(), "exec tail /dev/zero"));
         let error = mesher.run(&cube(), &limits, &Exec::default()).unwrap_err();
         assert!(matches!(error, MesherError::MemoryLimit { .. }), "{error:?}");
+    }
+
+    /// Not a test of its own: what the helper of the next test runs.
+    #[test]
+    #[ignore = "run by another test, as its helper"]
+    fn helper_body() {
+        if let Some(folder) = env::var_os("LAPIS_TEST_FOLDER") {
+            std::process::exit(tetgen_helper(Path::new(&folder)));
+        }
+    }
+
+    #[test]
+    #[cfg(feature = "tetgen")]
+    fn a_helper_answers() {
+        let dir = tempfile::tempdir().unwrap();
+        let this = env::current_exe().unwrap();
+        let helper = format!(
+            "LAPIS_TEST_FOLDER=\"$2\" exec '{}' --ignored --exact mesh::mesher::tests::helper_body",
+            this.display()
+        );
+        let mesher = Mesher::Helper(script(dir.path(), &helper));
+        let run = |limits: MesherLimits| mesher.run(&cube(), &limits, &Exec::default());
+        let there = run(MesherLimits::default()).unwrap();
+        assert_eq!(
+            there,
+            Mesher::InProcess.run(&cube(), &MesherLimits::default(), &Exec::default()).unwrap()
+        );
+        let error = run(MesherLimits { bytes: 1 << 20, ..MesherLimits::default() }).unwrap_err();
+        assert!(matches!(error, MesherError::MemoryLimit { .. } | MesherError::GaveUp { .. }), "{error:?}");
     }
 
     #[test]

@@ -25,17 +25,19 @@ pub(super) enum Conformed {
     No,
 }
 
-/// Connects the surface's vertices and `inner` points; splits edges of the surface where need be. `place`
+/// Connects the surface's vertices and `inner` points; splits edges of the surface where need be. The first
+/// `corners` vertices are those before any edge was split. `place`
 /// takes the world into the box that `inner` lies in, `run` makes Delaunay tetrahedra.
 pub(super) fn conform(
     surface: &mut Surface,
+    corners: u32,
     inner: &mut Vec<DVec3>,
     place: impl Fn(DVec3) -> DVec3,
     mut run: impl FnMut(&Job) -> Result<Answer, MesherError>,
     exec: &Exec,
 ) -> Result<Conformed, MesherError> {
-    // Twice as many triangles would be another surface.
-    let most = surface.mesh.triangles.len() * 2 + 100;
+    // Needles need many splits; still more are a sign that there is no end to it.
+    let most = surface.mesh.triangles.len() * 4 + 1000;
     for _ in 0..ROUNDS {
         let mut points: Vec<DVec3> = surface.mesh.vertices.iter().map(|p| place(*p)).collect();
         let own = points.len();
@@ -54,9 +56,12 @@ pub(super) fn conform(
         missing.edges =
             edges.into_iter().filter(|edge| !splitter.flip(*edge, |face| missing.there(face))).collect();
         for edge in repair(&missing, &answer.points[..own], inner) {
-            splitter.split_below(edge);
+            splitter.split_below(edge, corners);
         }
-        splitter.flip_all();
+        // On a simplified surface this would undo the flips above.
+        if splitter.surface.origin.is_some() {
+            splitter.flip_all();
+        }
     }
     Ok(Conformed::No)
 }

@@ -10,12 +10,12 @@ use super::nearest::Locator;
 use super::quality::quality;
 use super::simplify::{deviation, simplify};
 use super::split::Splits;
-use super::surface::{Surface, area};
+use super::surface::{Splitter, Surface, area};
 use super::{Simplified, TOLERANCE, TetError, TetParams, TetReport};
 use crate::exec::{Cancelled, Exec};
 use crate::mesh::mesher::{Job, Mesher, MesherError, MesherLimits};
 use crate::mesh::tet_files::without_unused;
-use crate::mesh::{FaceOrigin, NONE, TET_FACES, TetMesh, TriMesh};
+use crate::mesh::{FaceOrigin, NONE, TET_FACES, TetMesh, TriMesh, index};
 
 /// Volume of a regular tetrahedron of edge 1: √2/12.
 const REGULAR: f64 = 0.117_851_130_197_757_9;
@@ -24,6 +24,10 @@ const EQUILATERAL: f64 = 0.433_012_701_892_219_3;
 /// Surface edges longer than the target are split until there are so many triangles, over those of an even
 /// surface.
 const ENOUGH: f64 = 1.15;
+/// Before simplification, edges longer than this part of the target are split ...
+const FINE: f64 = 0.7;
+/// ... until there are so many times the triangles of an even surface.
+const DENSE: usize = 16;
 /// How far the inside's edges may exceed the surface's: a coarser inside would be all spikes.
 const COARSER: f64 = 2.5;
 /// Inner points keep this many edges away from the surface.
@@ -35,7 +39,7 @@ const BOUND: f64 = 1.8;
 /// Surface triangles that one trial may make by splitting.
 const MOST_TRIANGLES: usize = 60_000_000;
 /// Runs that may hit the time limit before all is given up.
-const MOST_HANGS: usize = 4;
+const MOST_HANGS: usize = 3;
 
 /// Places a mesh in a box about 100 wide around the origin. The scale is a power of two.
 #[derive(Debug, Clone, Copy)]
@@ -74,6 +78,8 @@ struct Way {
 #[derive(Clone)]
 struct Prepared {
     surface: Surface,
+    /// How many of its vertices, the first ones, were there before any edge was split.
+    corners: u32,
     /// How many long edges were split.
     splits: usize,
     /// The surface before these splits, where it was simplified.
@@ -132,7 +138,9 @@ impl<'a> Maker<'a> {
             Mesher::External(_) => {
                 vec![way(1.6, true, 1.0), way(2.0, true, 1.07), way(2.0, false, 1.03), way(1000.0, true, 1.0)]
             }
-            _ => vec![way(1.6, false, 1.0), way(2.0, false, 1.07), way(1000.0, false, 1.0)],
+            Mesher::Helper(_) => vec![way(1.6, false, 1.0), way(2.0, false, 1.07), way(1000.0, false, 1.0)],
+            // These surfaces are the ones on which TetGen aborts or hangs.
+            Mesher::InProcess => Vec::new(),
         };
         Self {
             mesh,
@@ -186,7 +194,7 @@ impl<'a> Maker<'a> {
         let prepared = self.prepare(outer, may_simplify)?;
         let mut surface = prepared.surface.clone();
         let (simple, surface_splits) = (prepared.simple.clone(), prepared.splits);
-        let mut cells = match self.connect(&mut surface, outer, inner)? {
+        let mut cells = match self.connect(&mut surface, prepared.corners, outer, inner)? {
             Some(cells) => {
                 // What was needed once to follow this surface will be needed again.
                 if let Some((_, _, prepared)) = &mut self.prepared {
@@ -195,6 +203,7 @@ impl<'a> Maker<'a> {
                 cells
             }
             None => {
+                // Hard surfaces are for TetGen's own boundary recovery.
                 surface = prepared.surface;
                 self.fill(&self.in_box(&surface.mesh), inner * self.frame.scale)?
             }
@@ -211,7 +220,13 @@ impl<'a> Maker<'a> {
 
     /// Delaunay tetrahedra of the surface and of even points inside; `None` where these do not come to
     /// respect the surface.
-    fn connect(&mut self, surface: &mut Surface, outer: f64, inner: f64) -> Result<Option<Cells>, TetError> {
+    fn connect(
+        &mut self,
+        surface: &mut Surface,
+        corners: u32,
+        outer: f64,
+        inner: f64,
+    ) -> Result<Option<Cells>, TetError> {
         let inside = self.in_box(&surface.mesh);
         let locator = Locator::new(&inside);
         let scale = self.frame.scale;
@@ -220,7 +235,7 @@ impl<'a> Maker<'a> {
         let Some(mut points) = points else { return Ok(None) };
         let mut found = None;
         for filling in 0..=GAP_ROUNDS {
-            let cells = match self.follow(surface, &mut points) {
+            let cells = match self.follow(surface, corners, &mut points) {
                 Ok(cells) => cells,
                 Err(CarveError::Cancelled(e)) => return Err(e.into()),
                 Err(CarveError::Mesher(e)) => {
@@ -234,23 +249,32 @@ impl<'a> Maker<'a> {
                 .map(|[a, b]| (cells.points[*a as usize], cells.points[*b as usize]))
                 .map(|(a, b)| (a.midpoint(b), a.distance(b)))
                 .collect();
-            found = Some(cells);
+            found = Some((cells, surface.clone()));
             if filling == GAP_ROUNDS || fill_gaps(&mut points, &middles, &locator) == 0 {
                 break;
             }
         }
-        Ok(found)
+        Ok(found.map(|(cells, followed)| {
+            // A later round may have failed half way.
+            *surface = followed;
+            cells
+        }))
     }
 
     /// Delaunay tetrahedra of a surface and of points inside, which both change where need be.
-    fn follow(&mut self, surface: &mut Surface, points: &mut Vec<DVec3>) -> Result<Cells, CarveError> {
+    fn follow(
+        &mut self,
+        surface: &mut Surface,
+        corners: u32,
+        points: &mut Vec<DVec3>,
+    ) -> Result<Cells, CarveError> {
         let (mesher, limits, exec, frame) = (self.mesher, self.limits, self.exec, self.frame);
         let runs = &mut self.runs;
         let run = |job: &Job| {
             *runs += 1;
             mesher.run(job, limits, exec)
         };
-        match conform(surface, points, |p| frame.box_from_world(p), run, exec)? {
+        match conform(surface, corners, points, |p| frame.box_from_world(p), run, exec)? {
             Conformed::Yes(answer) => {
                 let mut cells = Cells::carve(answer, &self.in_box(&surface.mesh), exec)?;
                 if let Some(origin) = &surface.origin {
@@ -271,7 +295,8 @@ impl<'a> Maker<'a> {
             return Err(e.into());
         }
         self.failures.push(error.to_string());
-        if error.may_retry() { Ok(()) } else { Err(self.give_up(error)) }
+        self.hangs += usize::from(matches!(error, MesherError::TimeLimit { .. }));
+        if error.may_retry() && self.hangs < MOST_HANGS { Ok(()) } else { Err(self.give_up(error)) }
     }
 
     fn give_up(&self, last: MesherError) -> TetError {
@@ -285,17 +310,24 @@ impl<'a> Maker<'a> {
         {
             return Ok(prepared.clone());
         }
+        let even = self.triangles_for(edge);
         let mut simple = None;
         if may_simplify {
-            simple = simplify(&self.base.mesh, self.triangles_for(edge), self.exec)?;
+            // From many small triangles, simplification can choose even ones, whatever needles the input has.
+            let mut dense = self.base.clone();
+            let enough = even.saturating_mul(DENSE).saturating_add(self.triangles());
+            dense.split_long_edges(edge * FINE, enough, enough, self.exec)?;
+            simple = simplify(&dense.mesh, even, self.exec)?;
         }
         let mut surface = match &simple {
             Some(mesh) => Surface { mesh: mesh.clone(), origin: None },
             None => self.base.clone(),
         };
-        let enough = (self.triangles_for(edge) as f64 * ENOUGH) as usize;
+        let corners = index(surface.mesh.vertices.len());
+        Splitter::new(&mut surface).flip_all();
+        let enough = (even as f64 * ENOUGH) as usize;
         let splits = surface.split_long_edges(edge, enough, MOST_TRIANGLES, self.exec)?;
-        let prepared = Prepared { surface, splits, simple };
+        let prepared = Prepared { surface, corners, splits, simple };
         self.prepared = Some((edge, may_simplify, prepared.clone()));
         Ok(prepared)
     }
@@ -304,6 +336,10 @@ impl<'a> Maker<'a> {
     fn fill(&mut self, surface: &TriMesh, edge: f64) -> Result<Cells, TetError> {
         let mut left = self.ways.len();
         let mut at = 0;
+        if left == 0 {
+            let what = "this surface is safe to try only in a process of its own (Mesher::Helper)".to_owned();
+            return Err(self.give_up(MesherError::Rubbish { what }));
+        }
         loop {
             let way = self.ways[at];
             let job = Job {
@@ -321,19 +357,18 @@ impl<'a> Maker<'a> {
                 Err(CarveError::Cancelled(e)) => return Err(e.into()),
                 Err(CarveError::Mesher(e)) => e,
             };
-            self.failures.push(last.to_string());
             left -= 1;
             if matches!(last, MesherError::TimeLimit { .. }) {
                 // Waiting is dear: what hung once comes last from now on.
-                self.hangs += 1;
                 let way = self.ways.remove(at);
                 self.ways.push(way);
             } else {
                 at += 1;
             }
-            if left == 0 || self.hangs >= MOST_HANGS || !last.may_retry() {
+            if left == 0 {
                 return Err(self.give_up(last));
             }
+            self.failed(last)?;
         }
     }
 
@@ -366,7 +401,7 @@ impl<'a> Maker<'a> {
                 let deviation = deviation(&self.base.mesh, &surface.mesh, self.exec)?;
                 let diagonal = self.mesh.bounds().map_or(1.0, |(low, high)| low.distance(high));
                 Some(Simplified {
-                    before: self.mesh.triangles.len(),
+                    before: self.triangles(),
                     after: after.triangles.len(),
                     deviation,
                     deviation_of_diagonal: deviation / diagonal,

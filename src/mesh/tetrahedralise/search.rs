@@ -9,6 +9,8 @@ const AIM: f64 = 0.05;
 const PATIENCE: usize = 4;
 /// The most trials on one kind of surface.
 const MOST: usize = 8;
+/// Trials that may fail before another kind of surface is tried, or all is given up.
+const RETRIES: usize = 2;
 /// How far apart, as a logarithm, the edge lengths of surface and inside may be.
 const APART: f64 = 0.3;
 /// How far below the coarsest inside that the input's own surface bears its trials begin.
@@ -29,17 +31,21 @@ pub(super) fn search(maker: &mut Maker<'_>, params: &TetParams) -> Result<Made, 
     let goal = params.tets as f64;
     let hopeless = maker.triangles() as f64 * FORCED > goal * (1.0 + TOLERANCE);
     let simplify = !params.keep_surface;
-    let kept = if hopeless && simplify { None } else { Some(look(maker, goal, false)) };
+    let kept = if hopeless && simplify {
+        None
+    } else {
+        Some(look(maker, goal, false, if simplify { 0 } else { RETRIES }))
+    };
     let enough = |made: &Made| made.count() as f64 <= goal * (1.0 + TOLERANCE);
     match kept {
         Some(Ok(made)) if enough(&made) || !simplify => Ok(made),
         Some(Err(e)) if !simplify || !maker.may_go_on(&e) => Err(e),
-        Some(Ok(made)) => match look(maker, goal, true) {
+        Some(Ok(made)) => match look(maker, goal, true, RETRIES) {
             Ok(simple) => Ok(better(simple, made, goal)),
             Err(e) if maker.may_go_on(&e) => Ok(made),
             Err(e) => Err(e),
         },
-        _ => look(maker, goal, true),
+        _ => look(maker, goal, true, RETRIES),
     }
 }
 
@@ -49,7 +55,7 @@ fn better(a: Made, b: Made, goal: f64) -> Made {
 }
 
 /// The best of some trials on one kind of surface.
-fn look(maker: &mut Maker<'_>, goal: f64, simplify: bool) -> Result<Made, TetError> {
+fn look(maker: &mut Maker<'_>, goal: f64, simplify: bool, retries: usize) -> Result<Made, TetError> {
     // Logarithms of the edge lengths of the surface and of the inside. The inside's is varied alone as long
     // as the two are nearly the same, because the surface follows in jumps; then both together.
     let coarsest = maker.coarsest().ln();
@@ -64,7 +70,7 @@ fn look(maker: &mut Maker<'_>, goal: f64, simplify: bool) -> Result<Made, TetErr
         let made = match maker.make(outer.exp(), inner.exp(), simplify) {
             Ok(made) => made,
             // Another edge length is another surface, which may do where this one did not.
-            Err(e) if failed < 2 && maker.may_go_on(&e) => {
+            Err(e) if failed < retries && maker.may_go_on(&e) => {
                 failed += 1;
                 outer += 0.03;
                 inner += 0.03;

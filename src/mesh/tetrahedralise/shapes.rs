@@ -61,6 +61,21 @@ pub(super) fn torus(around: u32, across: u32, radius: f64, tube: f64) -> TriMesh
     TriMesh { vertices, triangles }
 }
 
+/// A cylinder of `sides` needles around, and of fans of needles at its ends.
+pub(super) fn cylinder(sides: u32, height: f64) -> TriMesh {
+    let rim = (0..sides).map(|i| TAU * f64::from(i) / f64::from(sides));
+    let vertices = rim.flat_map(|a| [0.0, height].map(|z| DVec3::new(a.cos(), a.sin(), z))).collect();
+    let mut triangles = Vec::new();
+    for i in 0..sides {
+        let (a, b) = (2 * i, 2 * ((i + 1) % sides));
+        triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
+        if i > 0 && i < sides - 1 {
+            triangles.extend([[0, b, a], [1, a + 1, b + 1]]);
+        }
+    }
+    TriMesh { vertices, triangles }
+}
+
 /// Both surfaces in one mesh.
 pub(super) fn together(a: &TriMesh, b: &TriMesh) -> TriMesh {
     let shift = index(a.vertices.len());

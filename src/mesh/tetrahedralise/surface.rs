@@ -103,8 +103,10 @@ impl<'a> Splitter<'a> {
     }
 
     /// Splits an edge below the vertex that lies deepest in the ball around it, if one does: there both
-    /// halves are safe from that vertex.
-    pub(super) fn split_below(&mut self, [a, b]: [u32; 2]) -> Option<Vec<[u32; 2]>> {
+    /// halves are safe from that vertex. Edges at a vertex below `first`, where many may meet at small
+    /// angles, are split at distances from it that are powers of two, so that their halves end on common
+    /// spheres and cannot drive each other to ever smaller ones (Ruppert 1995, Shewchuk 2002).
+    pub(super) fn split_below(&mut self, [a, b]: [u32; 2], first: u32) -> Option<Vec<[u32; 2]>> {
         let Surface { mesh: TriMesh { vertices, triangles }, .. } = &*self.surface;
         let (p, q) = (vertices[a as usize], vertices[b as usize]);
         let mut part = 0.5;
@@ -117,6 +119,14 @@ impl<'a> Splitter<'a> {
                 widest = obtuse;
                 part = ((c - p).dot(q - p) / q.distance_squared(p)).clamp(0.25, 0.75);
             }
+        }
+        if (a < first) != (b < first) {
+            let length = p.distance(q);
+            // From the vertex that was there first.
+            let from = if a < first { part } else { 1.0 - part };
+            let shell = (from * length).log2().round().exp2() / length;
+            let shell = if shell > 0.75 { shell / 2.0 } else { shell };
+            part = if a < first { shell } else { 1.0 - shell };
         }
         self.split_at([a, b], part)
     }
@@ -167,11 +177,8 @@ impl Splitter<'_> {
     }
 
     /// Makes the triangles on each triangle of the input Delaunay: flips edges whose opposite angles add up to
-    /// more than two right ones (Lawson). A simplified surface is no plane, and stays as it is.
+    /// more than two right ones (Lawson). On a simplified surface, neighbours that lie nearly in a plane.
     pub(super) fn flip_all(&mut self) {
-        if self.surface.origin.is_none() {
-            return;
-        }
         let mut open: Vec<[u32; 2]> = self.surface.mesh.triangles.iter().flat_map(|t| edges(*t)).collect();
         open.sort_unstable();
         open.dedup();
