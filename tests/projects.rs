@@ -12,7 +12,7 @@ seed = 3
 
 [mesh]
 file = "ball.obj"
-tets = 500
+tets = 300
 
 [texture]
 volume = "volume.nrrd"
@@ -127,11 +127,11 @@ fn wrong_files_are_told_what_is_wrong() {
     for (right, wrong, words) in [
         ("[depth]\nskin", "[depth]\nskni", &["line 14", "'skni'", "'skin'"][..]),
         ("[[cut]]\nname = \"wave\"", "[[ct]]\nname = \"wave\"", &["'ct'", "'cut'"]),
-        ("tets = 500", "tet = 500", &["'tet'", "'tets'"]),
+        ("tets = 300", "tet = 300", &["'tet'", "'tets'"]),
         ("width = 48", "widht = 48", &["'widht'", "'width'"]),
         ("[export.atlas]\nsize", "[export.atlas]\nsice", &["'sice'", "'size'"]),
         ("[direction]", "[fill]\nspacin = 0.3\n[direction]", &["'spacin'", "'spacing'"]),
-        ("tets = 500", "tets = \"many\"", &["line 7", "invalid type"]),
+        ("tets = 300", "tets = \"many\"", &["line 7", "invalid type"]),
         ("type = \"2b\"", "type = \"9\"", &["'9'", "2b"]),
         ("type = \"2b\"", "type = \"2c\"", &["2c cannot be filled yet"]),
         ("type = \"2b\"", "type = \"1a\"", &["1a takes no depth"]),

@@ -280,9 +280,11 @@ pub fn fill_part(
     // The quick things first, so that a wrong file name does not wait for the tetrahedra.
     let start = Instant::now();
     let texture = volume::read(&part.volume)?;
-    exec.check()?;
-    let (mesh, mut report) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
+    let mut report = Report::default();
     report.took("read", start);
+    exec.check()?;
+    let (mesh, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
+    report.join(meshed);
     let start = Instant::now();
     let fields = fields(part, &mesh, &mut report, exec)?;
     report.took("fields", start);

@@ -51,10 +51,13 @@ impl Report {
 
     /// Adds the time since `start` to the step `name`.
     pub fn took(&mut self, name: &str, start: Instant) {
+        self.add_seconds(name, start.elapsed().as_secs_f64());
+    }
+
+    fn add_seconds(&mut self, name: &str, seconds: f64) {
         let before = self.seconds.get(name).and_then(Value::as_f64).unwrap_or(0.0);
         // A tenth of a millisecond is all that such a time means.
-        let now = ((before + start.elapsed().as_secs_f64()) * 1e4).round() / 1e4;
-        self.seconds.insert(name.to_owned(), Value::from(now));
+        self.seconds.insert(name.to_owned(), Value::from(((before + seconds) * 1e4).round() / 1e4));
     }
 
     /// Adds the fields of a room's own report: whole numbers to the counts, all else to the measures.
@@ -92,22 +95,28 @@ impl Report {
         }
     }
 
-    /// The same numbers under one name, as for the cuts of a project: `counts` and `measures` of `part`
-    /// become the objects `counts.name` and `measures.name`; its outputs and times are joined to ours.
-    pub fn nest(&mut self, name: &str, part: Report) {
+    /// Adds all of another report.
+    pub fn join(&mut self, part: Report) {
         self.outputs.extend(part.outputs);
         self.notes.extend(part.notes);
-        if !part.counts.is_empty() {
-            self.counts.insert(name.to_owned(), Value::Object(part.counts));
-        }
-        if !part.measures.is_empty() {
-            self.measures.insert(name.to_owned(), Value::Object(part.measures));
-        }
+        self.counts.extend(part.counts);
+        self.measures.extend(part.measures);
         for (step, seconds) in part.seconds {
-            let sum = self.seconds.get(&step).and_then(Value::as_f64).unwrap_or(0.0)
-                + seconds.as_f64().unwrap_or(0.0);
-            self.seconds.insert(step, Value::from(sum));
+            self.add_seconds(&step, seconds.as_f64().unwrap_or(0.0));
         }
+    }
+
+    /// Adds another report with its numbers under one name, as for the cuts of a project: its counts and
+    /// measures become the objects `counts.name` and `measures.name`.
+    pub fn nest(&mut self, name: &str, mut part: Report) {
+        let (counts, measures) = (std::mem::take(&mut part.counts), std::mem::take(&mut part.measures));
+        if !counts.is_empty() {
+            self.counts.insert(name.to_owned(), Value::Object(counts));
+        }
+        if !measures.is_empty() {
+            self.measures.insert(name.to_owned(), Value::Object(measures));
+        }
+        self.join(part);
     }
 }
 

@@ -124,7 +124,7 @@ pub fn write(path: &Path, texture: &SolidTexture) -> Result<(), VolumeWriteError
     write_block(path, texture.size(), 4, texture.voxels().as_flattened(), Some(texture.tiles()))
 }
 
-/// Writes a mask, in grey, in the same ways as [`write`].
+/// Writes a mask, in grey, in the same ways as [`write()`].
 ///
 /// # Errors
 /// [`VolumeWriteError`].
