@@ -292,14 +292,9 @@ mod tests {
             this.display()
         );
         let mesher = Mesher::Helper(script(dir.path(), &helper));
-        let run = |limits: MesherLimits| mesher.run(&cube(), &limits, &Exec::default());
-        let there = run(MesherLimits::default()).unwrap();
-        assert_eq!(
-            there,
-            Mesher::InProcess.run(&cube(), &MesherLimits::default(), &Exec::default()).unwrap()
-        );
-        let error = run(MesherLimits { bytes: 1 << 20, ..MesherLimits::default() }).unwrap_err();
-        assert!(matches!(error, MesherError::MemoryLimit { .. } | MesherError::GaveUp { .. }), "{error:?}");
+        let (limits, exec) = (MesherLimits::default(), Exec::default());
+        let there = mesher.run(&cube(), &limits, &exec).unwrap();
+        assert_eq!(there, Mesher::InProcess.run(&cube(), &limits, &exec).unwrap());
     }
 
     #[test]
