@@ -34,17 +34,22 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// # Errors
 /// Whatever the file system says; `InvalidInput` for a directory or a file past the limit.
 pub fn read_whole(path: &Path) -> io::Result<Vec<u8>> {
-    let file = fs::File::open(path)?;
-    let about = file.metadata()?;
+    // Asked before it is opened: opening a pipe waits for its writer.
+    let about = fs::metadata(path)?;
     if about.is_dir() {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is a directory, not a file"));
     }
+    if !about.is_file() {
+        let message = "it is a pipe or a device, not a file: save it to a file first";
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+    }
+    let file = fs::File::open(path)?;
     if about.len() > MAX_FILE_BYTES {
         let message = format!("it has {} bytes; at most {MAX_FILE_BYTES} are read", about.len());
         return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     }
     let mut bytes = Vec::new();
-    // A device or a pipe has no length of its own: the limit holds for it too.
+    // A file may grow while it is read: the limit holds for that too.
     file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > MAX_FILE_BYTES {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is too large"));

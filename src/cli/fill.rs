@@ -23,16 +23,16 @@ pub(crate) struct Args {
     /// The texture's type: 0 (isotropic), 1a (along a direction), 2b (with depth, along a direction)
     #[arg(long = "type", value_name = "T")]
     kind: TextureType,
-    /// Types 1a, 2b: where the texture's x axis runs
+    /// Types 1a, 2a, 2b: where the texture's x axis runs
     #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true)]
     direction: Option<DVec3>,
-    /// Types 0, 1a: the length, in the mesh's unit, that one unit of texture covers
+    /// Types 0, 1a, 2a: the length, in the mesh's unit, that one unit of texture covers
     #[arg(long, value_name = "LENGTH", value_parser = values::length, allow_hyphen_values = true)]
     scale: Option<f64>,
-    /// Type 2b: points x,y,z,… along the innermost line, where depth is 1; may be given again
+    /// Types 1b, 2a, 2b: points x,y,z,… along the innermost line, where depth is 1; may be given again
     #[arg(long, value_name = "X,Y,Z,…", value_parser = values::polyline, allow_hyphen_values = true)]
     core: Vec<Polyline>,
-    /// Type 2b: the depth of the mesh's surface [default: 0]
+    /// Types 1b, 2a, 2b: the depth of the mesh's surface [default: 0]
     #[arg(long, value_name = "DEPTH", value_parser = values::depth, allow_hyphen_values = true, requires = "core")]
     skin: Option<f64>,
     #[command(flatten)]
