@@ -14,6 +14,7 @@ mod tet;
 mod tet_files;
 mod tetrahedralise;
 mod tri;
+mod wear;
 mod write;
 
 pub use clean::{CleanError, CleanReport, WELD_TOLERANCE, clean};
@@ -31,4 +32,5 @@ pub use tetrahedralise::{
     MAX_TETS, Simplified, TetError, TetParams, TetReport, tetrahedralise, tetrahedralise_within,
 };
 pub use tri::TriMesh;
+pub use wear::{Material, Region, RegionError, RegionKind, Wear, WornPicture};
 pub use write::write_obj;
