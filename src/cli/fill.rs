@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use glam::DVec3;
-use lapis::field::{DepthPaint, DepthParams, DepthStroke};
+use lapis::field::DepthParams;
 use lapis::lap::{FillParams, TextureType};
 use lapis::mesh::TetParams;
+use lapis::paint::{DepthPaint, DepthStroke, Place};
 use lapis::project::{DepthInput, DirectionInput, OutputFile, Part, PartError, ScaleInput, fill_part};
 
 use super::failure::Failure;
@@ -50,10 +51,14 @@ pub(crate) struct Args {
 
 impl Args {
     fn part(self) -> Part {
-        let strokes: Vec<DepthStroke> =
-            self.core.into_iter().map(|line| DepthStroke { points: line.0, depth: 1.0 }).collect();
+        let core = |line: Polyline| DepthStroke {
+            key: "--core".to_owned(),
+            place: Place::points(line.0),
+            depth: 1.0,
+        };
+        let strokes: Vec<DepthStroke> = self.core.into_iter().map(core).collect();
         let depth = (!strokes.is_empty()).then(|| DepthInput {
-            paint: DepthPaint { skin: Some(self.skin.unwrap_or(0.0)), strokes },
+            paint: DepthPaint { skin: Some(self.skin.unwrap_or(0.0)), areas: Vec::new(), strokes },
             params: self.depth,
         });
         Part {
@@ -64,6 +69,7 @@ impl Args {
             depth,
             direction: self.direction.map(DirectionInput::Constant),
             scale: self.scale.map(|everywhere| ScaleInput { everywhere, at: Vec::new() }),
+            cuts: Vec::new(),
             fill: self.fill,
         }
     }

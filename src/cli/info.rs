@@ -8,7 +8,7 @@ use lapis::files::read_whole;
 use lapis::lap::LappedSolid;
 use lapis::mesh::{FaceOrigin, TetLocator, TetMesh, TriMesh, clean, read_tets};
 use lapis::project::{Project, Report, is_tet_file};
-use lapis::view::{Camera, StrokeFile, read_camera};
+use lapis::view::{Camera, Drawing, StrokeFile, is_svg, read_camera};
 use lapis::volume::SolidTexture;
 use serde_json::{Value, json};
 
@@ -21,7 +21,7 @@ use super::values;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// A mesh, tetrahedra, a volume (.nrrd or a folder of slices), a .lapis model, or a project, stroke or
-    /// camera file (.toml)
+    /// camera file (.toml), or a drawing of strokes (.svg)
     file: PathBuf,
     /// For a .lapis model: the tetrahedron, depth and colour at a point; may be given again
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
@@ -39,6 +39,7 @@ enum Kind {
     Solid,
     Project,
     Stroke,
+    Drawing,
     Camera,
 }
 
@@ -50,6 +51,7 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
     match extension.as_str() {
         "obj" | "stl" | "ply" | "off" | "glb" | "gltf" => Ok(Kind::Mesh),
         _ if is_tet_file(path) => Ok(Kind::Tets),
+        _ if is_svg(path) => Ok(Kind::Drawing),
         "nrrd" => Ok(Kind::Volume),
         "lapis" => Ok(Kind::Solid),
         "toml" => {
@@ -67,7 +69,7 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
         _ => Err(Failure::usage(format!(
             "cannot tell what '{}' is; Lapis reads .obj .stl .ply .off .glb .gltf (meshes), .node .ele \
              (tetrahedra), .nrrd and folders of .png (volumes), .lapis (models) and .toml (projects, strokes, \
-             cameras)",
+             cameras), .svg (drawings of strokes)",
             path.display()
         ))),
     }
@@ -95,7 +97,7 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
             }
             Kind::Project => project(&mut report, &Project::read(path)?),
             Kind::Stroke => {
-                let file = StrokeFile::read(path).map_err(Failure::because(what))?;
+                let file = StrokeFile::read(path, None).map_err(Failure::because(what))?;
                 report.measure("kind", "stroke");
                 report.count("points", file.stroke.points.len());
                 report.measure("closed", file.stroke.closed);
@@ -103,6 +105,7 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
                     camera(&mut report, &c);
                 }
             }
+            Kind::Drawing => drawing(&mut report, &Drawing::read(path).map_err(Failure::because(what))?),
             Kind::Camera => {
                 let c = read_camera(path).map_err(Failure::because(what))?;
                 report.measure("kind", "camera");
@@ -161,6 +164,15 @@ fn tri_mesh(report: &mut Report, mesh: &TriMesh, session: &Session) -> Result<()
         Err(e) => report.measure("defects", e.to_string()),
     }
     Ok(())
+}
+
+fn drawing(report: &mut Report, drawing: &Drawing) {
+    report.measure("kind", "drawing");
+    report.count("lines", drawing.lines.len());
+    report.count("points", drawing.lines.iter().map(|l| l.points.len()).sum::<usize>());
+    report.measure("aspect", drawing.aspect);
+    let ids: Vec<&str> = drawing.lines.iter().filter_map(|l| l.ids.first().map(String::as_str)).collect();
+    report.measure("ids", ids);
 }
 
 fn tet_mesh(report: &mut Report, mesh: &TetMesh) {

@@ -146,7 +146,7 @@ mod tests {
 
     fn depth(mesh: &TetMesh) -> DepthField {
         let dot = DepthStroke { points: vec![DVec3::ZERO], depth: 1.0 };
-        let paint = DepthPaint { skin: Some(0.0), strokes: vec![dot] };
+        let paint = DepthPaint { skin: Some(0.0), strokes: vec![dot], ..DepthPaint::default() };
         depth_field(mesh, &paint, &DepthParams::default(), &Exec::default()).unwrap()
     }
 

@@ -15,9 +15,13 @@ mod rbf;
 mod scale;
 mod stroke;
 
-pub use depth::{DepthError, DepthField, DepthPaint, DepthParams, DepthReport, DepthStroke, depth_field};
+pub(crate) use depth::strokes_that_count;
+pub use depth::{
+    DepthError, DepthField, DepthPaint, DepthParams, DepthReport, DepthStroke, PaintedFace, depth_field,
+};
 pub use direction::{DirectionError, DirectionParams, DirectionStroke, direction_field};
 pub use frame::{FrameError, FrameField, FrameLength, depth_lengths};
 pub use gradient::tet_gradients;
 pub use rbf::{Kernel, Rbf, RbfError, RbfParams, RbfReport};
 pub use scale::{ScaleAt, ScaleError, scale_field};
+pub(crate) use stroke::sample;

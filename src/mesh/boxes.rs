@@ -4,8 +4,15 @@ use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use obvhs::ray::Ray;
 
 use super::index;
+
+/// How much larger boxes are made for rays, as a part of the extent of all of them: some hundred times what
+/// rounding to `f32` takes away.
+const RAY_SLACK: f64 = 1e-5;
+/// How far around the boxes rays are looked at, likewise.
+const SPARE: f64 = 0.01;
 
 /// A tree over closed boxes. Its `f32` boxes hold the real ones: the map to `f32` is monotone, so that boxes
 /// that touch still touch.
@@ -17,6 +24,15 @@ pub(crate) struct BoxTree {
 }
 
 impl BoxTree {
+    /// A tree that rays are shot at ([`Self::along`]): the boxes are made a little larger, so that rounding the
+    /// ray to `f32` hides none of them, not even a flat one.
+    pub(crate) fn for_rays(boxes: &[[DVec3; 2]]) -> Self {
+        let low = boxes.iter().map(|b| b[0]).reduce(DVec3::min).unwrap_or_default();
+        let high = boxes.iter().map(|b| b[1]).reduce(DVec3::max).unwrap_or_default();
+        let more = DVec3::splat(RAY_SLACK * (high - low).max_element());
+        Self::new(&boxes.iter().map(|&[low, high]| [low - more, high + more]).collect::<Vec<_>>())
+    }
+
     /// A tree over boxes of least and greatest corners, all finite.
     pub(crate) fn new(boxes: &[[DVec3; 2]]) -> Self {
         let low = boxes.iter().map(|b| b[0]).reduce(DVec3::min).unwrap_or_default();
@@ -41,6 +57,32 @@ impl BoxTree {
         // Subtraction, multiplication by a positive number and rounding never turn an order around.
         let map = |p: DVec3| Vec3A::from(((p * 0.25 - self.low) * self.scale).as_vec3());
         Aabb::new(map(low), map(high))
+    }
+
+    /// Calls `visit` with the number of every box that the ray from `origin` along `direction` may touch, in
+    /// a fixed order. For a tree made [for rays](Self::for_rays).
+    pub(crate) fn along(&self, origin: DVec3, direction: DVec3, mut visit: impl FnMut(usize)) {
+        let origin = (origin * 0.25 - self.low) * self.scale;
+        let Some(direction) = direction.try_normalize().filter(|_| origin.is_finite()) else { return };
+        // Only the part of the ray at the boxes is rounded to `f32`, however far away it begins.
+        let (mut from, mut to) = (0.0f64, f64::INFINITY);
+        for k in 0..3 {
+            if direction[k] == 0.0 {
+                if !(-SPARE..=1.0 + SPARE).contains(&origin[k]) {
+                    return;
+                }
+                continue;
+            }
+            let [a, b] = [-SPARE, 1.0 + SPARE].map(|side| (side - origin[k]) / direction[k]);
+            (from, to) = (from.max(a.min(b)), to.min(a.max(b)));
+        }
+        if from > to {
+            return;
+        }
+        let near = Vec3A::from((origin + direction * from).as_vec3());
+        let ray = Ray::new(near, Vec3A::from(direction.as_vec3()), 0.0, f32::MAX);
+        let indices = &self.tree.primitive_indices;
+        self.tree.ray_traverse_anyhit(ray, |_, i| visit(indices[i] as usize));
     }
 
     /// Calls `visit` with the number of every box that may touch this one, in a fixed order, until it

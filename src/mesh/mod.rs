@@ -1,6 +1,7 @@
 //! Triangle meshes from files, and the tetrahedra that fill them.
 
 mod boxes;
+mod cast;
 mod clean;
 mod defects;
 mod edges;
@@ -17,6 +18,7 @@ mod tri;
 mod wear;
 mod write;
 
+pub(crate) use cast::Caster;
 pub use clean::{CleanError, CleanReport, WELD_TOLERANCE, clean};
 pub use defects::{
     AtEdge, AtTriangle, AtVertex, Crossing, Defects, Found, Hole, MAX_CROSSINGS, PLACES, defects,

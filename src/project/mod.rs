@@ -7,6 +7,7 @@
 mod check;
 mod file;
 mod output;
+mod painted;
 mod part;
 mod plan;
 mod problem;

@@ -1,6 +1,7 @@
 //! A part: a mesh, a solid texture and what is painted, filled. The command line and the project file
 //! both come through here.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -8,15 +9,17 @@ use std::time::Instant;
 use glam::DVec3;
 use serde_json::json;
 
+use super::plan::{Cut, Model};
+use crate::cut::{CutError, cut};
 use crate::exec::{Cancelled, Exec};
-use crate::field::{
-    self, DepthError, DepthPaint, DepthParams, DirectionError, DirectionParams, DirectionStroke, ScaleAt,
-    ScaleError,
-};
+use crate::field::{self, DepthParams, DirectionParams};
 use crate::lap::{self, Fields, FillError, FillParams, LappedSolid, TextureType};
 use crate::mesh::{
     self, CleanError, CleanReport, MeshReadError, Mesher, TetError, TetFileError, TetMesh, TetParams,
-    TetReport,
+    TetReport, Wear,
+};
+use crate::paint::{
+    Canvas, DepthPaint, DirectionStroke, Ground, PaintError, PaintProblem, PaintedDepth, ScaleAt, bare,
 };
 use crate::project::Report;
 use crate::volume::{self, VolumeReadError};
@@ -38,6 +41,9 @@ pub struct Part {
     pub direction: Option<DirectionInput>,
     /// What sets the scale.
     pub scale: Option<ScaleInput>,
+    /// The cuts on whose pieces something may be painted, in their order: the numbers of [`Ground::Piece`] count
+    /// them.
+    pub cuts: Vec<Cut>,
     /// How it is lapped.
     pub fill: FillParams,
 }
@@ -119,21 +125,32 @@ pub enum PartError {
         /// Why.
         source: TetError,
     },
-    /// No depth field comes of what is painted.
-    #[error("cannot make the depth field")]
-    Depth(#[source] DepthError),
-    /// No direction field comes of the strokes.
-    #[error("cannot make the direction field")]
-    Direction(#[source] DirectionError),
-    /// No scale field comes of the scales.
-    #[error("cannot make the scale field")]
-    Scale(#[source] ScaleError),
+    /// Something painted that cannot be used.
+    #[error(transparent)]
+    Paint(PaintError),
+    /// A cut on whose piece something is painted.
+    #[error("cannot make the cut '{name}', on a piece of which something is painted")]
+    Cut {
+        /// Its name.
+        name: String,
+        /// Why.
+        source: CutError,
+    },
     /// The lapping failed.
     #[error("cannot lap the texture")]
     Fill(#[source] FillError),
     /// The caller asked it to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl From<PaintError> for PartError {
+    fn from(error: PaintError) -> Self {
+        match error.problem {
+            PaintProblem::Cancelled(c) => Self::Cancelled(c),
+            _ => Self::Paint(error),
+        }
+    }
 }
 
 fn how_to_give(input: &str) -> &'static str {
@@ -178,6 +195,16 @@ impl Part {
             }
         }
         Ok(())
+    }
+
+    /// What its strokes are drawn on.
+    fn grounds(&self) -> impl Iterator<Item = &Ground> {
+        let depth = self.depth.iter().flat_map(|d| d.paint.strokes.iter().map(|s| &s.place.on));
+        let direction = match &self.direction {
+            Some(DirectionInput::Strokes(strokes, _)) => &strokes[..],
+            _ => &[],
+        };
+        depth.chain(direction.iter().map(|s| &s.place.on))
     }
 }
 
@@ -286,7 +313,7 @@ pub fn fill_part(
     let (mesh, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
     report.join(meshed);
     let start = Instant::now();
-    let fields = fields(part, &mesh, &mut report, exec)?;
+    let fields = painted_fields(part, &mesh, &Wear::default(), &mut report, exec)?.fields;
     report.took("fields", start);
     let start = Instant::now();
     let (mut solid, filled) = lap::fill(mesh, Arc::new(texture), part.kind, &fields, &part.fill, seed, exec)
@@ -314,32 +341,92 @@ fn settings(part: &Part, seed: u64) -> serde_json::Value {
     })
 }
 
-fn fields(part: &Part, mesh: &TetMesh, report: &mut Report, exec: &Exec) -> Result<Fields, PartError> {
-    let depth = match &part.depth {
-        Some(input) => {
-            Some(field::depth_field(mesh, &input.paint, &input.params, exec).map_err(PartError::Depth)?)
-        }
-        None => None,
+/// The fields of a part, and the strokes in space that made them.
+#[derive(Debug, Clone)]
+pub(super) struct PaintedFields {
+    /// The fields.
+    pub(super) fields: Fields,
+    /// Strokes of depth.
+    pub(super) depth_strokes: Vec<field::DepthStroke>,
+    /// Strokes of direction.
+    pub(super) direction_strokes: Vec<field::DirectionStroke>,
+}
+
+/// Makes the fields. `wear` is what the mesh's surface wears.
+pub(super) fn painted_fields(
+    part: &Part,
+    mesh: &TetMesh,
+    wear: &Wear,
+    report: &mut Report,
+    exec: &Exec,
+) -> Result<PaintedFields, PartError> {
+    let pieces = pieces(part, mesh, exec)?;
+    let canvas = Canvas::new(mesh, wear, &pieces);
+    let mut painted = |name: &str, input: &Option<DepthInput>, layers: Option<&[f64]>| {
+        let Some(input) = input else { return Ok(None) };
+        let made = canvas.depth(name, &input.paint, &input.params, layers, exec)?;
+        report.section(&format!("{name}_field"), &made.field.report);
+        Ok::<_, PartError>(Some(made))
     };
-    if let Some(depth) = &depth {
-        report.section("depth_field", &depth.report);
-    }
+    let depth = painted("depth", &part.depth, None)?;
+    let field = depth.as_ref().map(|d| &d.field);
+    let mut direction_strokes = Vec::new();
     let direction = match &part.direction {
         Some(DirectionInput::Constant(v)) => {
-            let unit = v.try_normalize().ok_or(PartError::NoDirection)?;
-            Some(vec![unit; mesh.vertices.len()])
+            if v.try_normalize().is_none() {
+                return Err(PartError::NoDirection);
+            }
+            Some(canvas.constant_direction("direction.constant (--direction)", *v, field)?)
         }
-        Some(DirectionInput::Strokes(strokes, params)) => Some(
-            field::direction_field(mesh, strokes, depth.as_ref(), params, exec)
-                .map_err(PartError::Direction)?,
-        ),
+        Some(DirectionInput::Strokes(strokes, params)) => {
+            let made = canvas.direction("direction", strokes, params, field, exec)?;
+            direction_strokes = made.strokes;
+            Some(made.field)
+        }
         None => None,
     };
     let scale = match &part.scale {
-        Some(input) => {
-            Some(field::scale_field(mesh, input.everywhere, &input.at, exec).map_err(PartError::Scale)?)
-        }
+        Some(input) => Some(canvas.scale("scale", input.everywhere, &input.at, exec)?),
         None => None,
     };
-    Ok(Fields { depth: depth.map(|d| d.values), direction, scale })
+    let (depth, depth_strokes) = match depth {
+        Some(PaintedDepth { field, paint }) => (Some(field.values), paint.strokes),
+        None => (None, Vec::new()),
+    };
+    Ok(PaintedFields { fields: Fields { depth, direction, scale }, depth_strokes, direction_strokes })
+}
+
+/// The pieces on which something is painted, of the mesh as it is before it is filled, with all others of their cuts.
+fn pieces(
+    part: &Part,
+    mesh: &TetMesh,
+    exec: &Exec,
+) -> Result<BTreeMap<(usize, usize), LappedSolid>, PartError> {
+    let mut wanted: BTreeSet<usize> = part.grounds().filter_map(Ground::piece).map(|(cut, _)| cut).collect();
+    // A cut's own piece comes from an earlier one.
+    for number in (0..part.cuts.len()).rev().filter(|n| wanted.contains(n)).collect::<Vec<_>>() {
+        let mut of = part.cuts[number].of;
+        while let Model::Piece { cut, .. } = of {
+            wanted.insert(cut);
+            of = part.cuts[cut].of;
+        }
+    }
+    let mut pieces = BTreeMap::new();
+    if wanted.is_empty() {
+        return Ok(pieces);
+    }
+    let whole = bare(mesh.clone());
+    for number in wanted {
+        let planned = &part.cuts[number];
+        let solid = match planned.of {
+            Model::Piece { cut, piece } => pieces.get(&(cut, piece)),
+            _ => Some(&whole),
+        };
+        // A piece that is not there is told to who painted on it.
+        let Some(solid) = solid else { continue };
+        let failed = |source| PartError::Cut { name: planned.name.clone(), source };
+        let made = cut(solid, &planned.along.surface(solid), &planned.params, exec).map_err(failed)?.0;
+        pieces.extend(made.into_iter().enumerate().map(|(i, piece)| ((number, i + 1), piece)));
+    }
+    Ok(pieces)
 }

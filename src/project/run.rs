@@ -10,9 +10,9 @@ use glam::DVec3;
 use super::file::ExportFormat;
 use super::output::{OutputError, OutputFolder};
 use super::part::{PartError, fill_part};
-use super::plan::{Along, Model, Picture, Project};
+use super::plan::{Model, Picture, Project};
 use super::report::Report;
-use crate::cut::{CutError, CutSurface, cut};
+use crate::cut::{CutError, cut};
 use crate::exec::{Cancelled, Exec};
 use crate::export::{ExportError, glb, ply};
 use crate::files::read_whole;
@@ -167,13 +167,7 @@ impl Work<'_> {
             let start = Instant::now();
             let user = || format!("the cut '{}'", planned.name);
             let solid = self.find(models, planned.of, user)?;
-            let surface = match &planned.along {
-                Along::Surface(surface) => surface.clone(),
-                Along::Framed(stroke) => {
-                    let camera = frame_all(&[solid.into()], 1.0);
-                    CutSurface::Stroke { stroke: stroke.clone(), camera }
-                }
-            };
+            let surface = planned.along.surface(solid);
             let failed = |source| RunError::Cut { name: planned.name.clone(), source };
             let (pieces, made) = cut(solid, &surface, &planned.params, exec).map_err(failed)?;
             let mut report = Report::default();
