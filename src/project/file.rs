@@ -25,6 +25,8 @@ pub(super) struct ProjectFile {
     pub(super) depth: Option<DepthTable>,
     pub(super) direction: Option<DirectionTable>,
     pub(super) scale: Option<ScaleTable>,
+    pub(super) along: Option<DepthTable>,
+    pub(super) across: Option<DepthTable>,
     #[serde(default)]
     pub(super) fill: FillParams,
     #[serde(default)]
@@ -58,7 +60,7 @@ pub(super) struct TextureTable {
     pub(super) kind: TextureType,
 }
 
-/// `[depth]`: where the texture's second axis runs.
+/// `[depth]`: where the texture's second axis runs; `[along]` and `[across]`: the first and the third.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct DepthTable {
