@@ -21,8 +21,8 @@ use lapis::volume::SolidTexture;
 
 /// Millimetres that one unit of texture covers, the inverse of the depth's gradient in the sample fruit.
 const UNIT: f64 = 86.0;
-/// Seeds in the texture: some 500 in the fruit.
-const SEEDS: usize = 78;
+/// Seeds in the texture: some 700 in the fruit.
+const SEEDS: usize = 112;
 /// Depths between which all of each seed lies.
 const ZONE: [f64; 2] = [0.47, 0.84];
 
@@ -51,10 +51,10 @@ impl Melon {
     fn new() -> Self {
         let mut dice = Dice::new(1753);
         let mut seeds: Vec<Seed> = Vec::new();
-        let mut apart = 0.16;
+        let mut apart = 0.15;
         while seeds.len() < SEEDS {
             let size = dice.between(0.9, 1.1);
-            let half = [3.7, 6.1, 1.75].map(|mm| size * mm / UNIT);
+            let half = [3.9, 6.4, 2.1].map(|mm| size * mm / UNIT);
             // Most lie in the middle of their zone.
             let spread = 0.5 * (dice.between(0.0, 1.0) + dice.between(0.0, 1.0));
             let y = ZONE[0] + half[1] + (ZONE[1] - ZONE[0] - 2.0 * half[1]) * spread;
@@ -62,7 +62,7 @@ impl Melon {
             let near = |other: &Seed| {
                 let d: [f64; 3] = std::array::from_fn(|n| {
                     let d = centre[n] - other.centre[n];
-                    if n == 1 { 0.8 * d } else { around(d) }
+                    if n == 1 { 0.7 * d } else { around(d) }
                 });
                 d.iter().map(|d| d * d).sum::<f64>() < apart * apart
             };
@@ -112,7 +112,7 @@ impl Melon {
             }
         }
         let (distance, shine, brown) = near;
-        let halo = mix(under, srgb(244, 150, 128), 0.55 * step(1.75, 1.2, distance));
+        let halo = mix(under, srgb(244, 150, 128), 0.45 * step(1.6, 1.15, distance));
         let body = mix(srgb(24, 14, 11), srgb(50, 29, 20), brown);
         let body = mix(body, srgb(126, 92, 70), 0.5 * step(0.45, 0.8, shine) * step(0.3, 0.8, distance));
         mix(halo, body, step(1.1, 0.96, distance))
@@ -130,19 +130,20 @@ fn flesh(p: [f64; 3]) -> Paint {
     let red = mix(srgb(218, 44, 50), srgb(186, 22, 36), 0.5 + 0.55 * juice);
     let red = mix(red, srgb(150, 12, 26), 0.45 * step(0.2, 0.9, -grain));
     let red = mix(red, srgb(240, 104, 96), 0.55 * step(0.25, 0.8, grain));
-    let red = mix(red, srgb(246, 148, 130), 0.5 * step(0.45, 1.1, fibre));
-    let red = mix(red, srgb(166, 14, 30), 0.4 * step(0.4, 1.1, -fibre));
+    let calm = step(0.93, 0.80, y);
+    let red = mix(red, srgb(246, 148, 130), 0.5 * calm * step(0.45, 1.1, fibre));
+    let red = mix(red, srgb(166, 14, 30), 0.4 * calm * step(0.4, 1.1, -fibre));
     // The heart is lighter, and melts.
     let heart = mix(srgb(226, 66, 66), srgb(238, 104, 96), 0.5 + 0.5 * juice + 0.3 * grain);
-    let red = mix(red, heart, 0.65 * step(0.84, 0.97, y));
+    let red = mix(red, heart, 0.7 * step(0.80, 0.97, y));
 
     // Towards the rind it is paler, along the fibres first.
-    let edge = 0.185 + 0.014 * fibre + 0.008 * juice;
+    let edge = 0.150 + 0.014 * fibre + 0.008 * juice;
     let blush = mix(srgb(248, 190, 166), srgb(236, 96, 88), step(0.02, 0.09, y - edge));
     let blush = mix(blush, srgb(250, 206, 180), 0.5 * step(0.3, 1.0, fibre));
-    let flesh = mix(blush, red, step(0.05, 0.17, y - edge));
-    let white = mix(srgb(206, 224, 160), srgb(240, 240, 212), step(0.05, 0.15, y));
-    let white = mix(white, srgb(182, 208, 134), 0.4 * step(0.2, 0.9, grain) * step(0.16, 0.06, y));
+    let flesh = mix(blush, red, step(0.05, 0.15, y - edge));
+    let white = mix(srgb(198, 220, 150), srgb(240, 240, 214), step(0.05, 0.12, y));
+    let white = mix(white, srgb(182, 208, 134), 0.4 * step(0.2, 0.9, grain) * step(0.13, 0.06, y));
     mix(white, flesh, step(-0.015, 0.04, y - edge))
 }
 
@@ -160,17 +161,17 @@ fn with_rind(p: [f64; 3], under: Paint) -> Paint {
 /// Dark, frayed bands that wind over a paler ground with a net of fine veins.
 fn skin(p: [f64; 3]) -> Paint {
     let at = |dx: f64, dz: f64| [p[0] + dx, 0.0, p[2] + dz];
-    let warp = |stream| noise(p, [9, 1, 9], stream) + 0.6 * noise(p, [19, 1, 19], stream + 1);
-    let bent = at(0.030 * warp(10), 0.030 * warp(12));
-    let band = noise(bent, [5, 1, 5], 14) + 0.5 * noise(bent, [9, 1, 9], 15);
-    let fray = 0.22 * noise(p, [24, 1, 24], 16) + 0.16 * noise(p, [32, 1, 32], 17);
-    let vein = (noise(bent, [12, 1, 12], 18) + 0.3 * noise(p, [26, 1, 26], 19)).abs();
-    let speck = noise(p, [30, 1, 30], 20);
+    let warp = |stream| noise(p, [7, 1, 7], stream) + 0.5 * noise(p, [14, 1, 14], stream + 1);
+    let bent = at(0.034 * warp(10), 0.034 * warp(12));
+    let band = noise(bent, [6, 1, 6], 14) + 0.35 * noise(bent, [10, 1, 10], 15);
+    let fray = 0.20 * noise(p, [17, 1, 17], 16) + 0.16 * noise(p, [27, 1, 27], 17);
+    let vein = (noise(bent, [11, 1, 11], 18) + 0.25 * noise(p, [22, 1, 22], 19)).abs();
+    let speck = noise(p, [26, 1, 26], 20);
 
-    let pale = mix(srgb(126, 164, 78), srgb(158, 188, 104), 0.5 + 0.6 * speck);
-    let pale = mix(pale, srgb(58, 104, 46), 0.75 * step(0.16, 0.04, vein));
-    let dark = mix(srgb(22, 58, 28), srgb(38, 80, 36), 0.5 + 0.6 * speck);
-    mix(pale, dark, step(-0.10, 0.08, 0.17 + fray - band.abs()))
+    let pale = mix(srgb(140, 172, 86), srgb(172, 198, 118), 0.5 + 0.6 * speck);
+    let pale = mix(pale, srgb(66, 112, 52), 0.6 * step(0.20, 0.04, vein));
+    let dark = mix(srgb(16, 48, 24), srgb(34, 76, 34), 0.5 + 0.6 * speck);
+    mix(pale, dark, step(-0.14, 0.12, 0.20 + fray - band.abs()))
 }
 
 const WHITE: LinearRgba = [1.0; 4];
