@@ -19,11 +19,11 @@ use brush::{Dice, Paint, VOXEL, around, mix, noise, picture, srgb, step};
 use lapis::volume::SolidTexture;
 
 /// Vascular bundles.
-const BUNDLES: usize = 15;
+const BUNDLES: usize = 21;
 /// Strands of fibre without vessels, between them.
-const STRANDS: usize = 22;
+const STRANDS: usize = 44;
 /// Cells of the pith along x, y, z.
-const CELLS: [i64; 3] = [9, 17, 17];
+const CELLS: [i64; 3] = [7, 21, 21];
 
 fn main() -> ExitCode {
     let stem = Stem::new();
@@ -46,13 +46,17 @@ struct Cord {
 }
 
 impl Cord {
-    /// Where `p` lies in the cord's section, in its radii.
-    fn place(&self, p: [f64; 3]) -> [f64; 2] {
-        std::array::from_fn(|n| {
+    /// Where `p` lies in the cord's section, in its radii; `None` where that is far outside.
+    fn place(&self, p: [f64; 3]) -> Option<[f64; 2]> {
+        let far = |n: usize| around(p[n + 1] - self.centre[n]).abs() > 1.6 * self.radius + VOXEL;
+        if far(0) || far(1) {
+            return None;
+        }
+        Some(std::array::from_fn(|n| {
             let [a, b, c, d] = self.wind[n];
             let wind = a * (TAU * p[0] + b).sin() + c * (2.0 * TAU * p[0] + d).sin();
             around(p[n + 1] - self.centre[n] - wind) / self.radius
-        })
+        }))
     }
 }
 
@@ -69,11 +73,11 @@ impl Stem {
         let mut tries = 0;
         while cords.len() < BUNDLES + STRANDS {
             let bundle = cords.len() < BUNDLES;
-            let radius = if bundle { dice.between(5.0, 6.9) } else { dice.between(1.2, 2.4) } * VOXEL;
+            let radius = if bundle { dice.between(4.4, 5.8) } else { dice.between(0.9, 1.9) } * VOXEL;
             let centre = [dice.between(0.0, 1.0), dice.between(0.0, 1.0)];
             // Room between cords, less and less of it.
             tries += 1;
-            let gap = VOXEL * (3.5 - f64::from(tries) / 4000.0).max(0.5);
+            let gap = VOXEL * (2.5 - f64::from(tries) / 4000.0).max(0.3);
             let meets = |other: &Cord| {
                 let d: [f64; 2] = std::array::from_fn(|n| around(centre[n] - other.centre[n]));
                 d[0].hypot(d[1]) < radius + other.radius + gap
@@ -84,7 +88,7 @@ impl Stem {
             let angle = dice.between(0.0, TAU);
             // Bundles wind less than the gaps between them are wide.
             let mut wind =
-                || [dice.between(0.3, 0.9) * VOXEL, dice.between(0.0, TAU), dice.between(0.1, 0.4) * VOXEL, 0.0];
+                || [dice.between(0.1, 0.5) * VOXEL, dice.between(0.0, TAU), dice.between(0.05, 0.2) * VOXEL, 0.0];
             let wind = [wind(), wind()];
             cords.push(Cord {
                 centre,
@@ -102,11 +106,11 @@ impl Stem {
 
     fn colour(&self, p: [f64; 3]) -> Paint {
         let mut paint = self.pith(p);
-        // The nearest cord, in its own measure; those of one place are the same at any other, or nearly.
+        // The nearest cord, in its own measure.
         let nearest = self
             .cords
             .iter()
-            .map(|cord| (cord, cord.place(p)))
+            .filter_map(|cord| Some((cord, cord.place(p)?)))
             .min_by(|a, b| (a.1[0].hypot(a.1[1])).total_cmp(&b.1[0].hypot(b.1[1])));
         if let Some((cord, place)) = nearest {
             paint = self.with_cord(p, cord, place, paint);
@@ -133,18 +137,18 @@ impl Stem {
             }
         }
         let tone = self.cells[own][0] + 0.4 * noise(p, [6, 24, 24], 1);
-        let cell = mix(srgb(236, 218, 168), srgb(214, 190, 132), tone);
-        let pith = mix(srgb(178, 146, 88), cell, step(0.03, 0.22, second - first));
-        mix(pith, srgb(246, 234, 196), 0.3 * step(0.3, 0.9, noise(p, [8, 28, 28], 2)))
+        let cell = mix(srgb(236, 219, 170), srgb(216, 193, 138), tone);
+        let pith = mix(srgb(190, 160, 104), cell, step(0.03, 0.22, second - first));
+        mix(pith, srgb(238, 222, 174), 0.4 * step(0.3, 0.9, noise(p, [8, 28, 28], 2)))
     }
 
     fn with_cord(&self, p: [f64; 3], cord: &Cord, place: [f64; 2], under: Paint) -> Paint {
         // Fine streaks along x, of which sheaths and strands are made.
         let streak = noise(p, [3, 30, 30], 3) + 0.7 * noise(p, [7, 32, 32], 4);
-        let fibre = mix(srgb(146, 92, 42), srgb(74, 38, 18), cord.dark + 0.35 * streak);
+        let fibre = mix(srgb(122, 72, 32), srgb(66, 34, 16), cord.dark + 0.35 * streak);
         let fibre = mix(fibre, srgb(196, 146, 80), 0.4 * step(0.5, 1.2, streak));
         let r = place[0].hypot(place[1]) + 0.05 * streak;
-        let soft = 0.06 * VOXEL * 8.0 / cord.radius;
+        let soft = 0.45 * VOXEL / cord.radius;
         let rim = mix(under, srgb(168, 128, 70), 0.7 * step(1.0 + 4.0 * soft, 1.0, r));
         let Some([c, s]) = cord.facing else {
             return mix(rim, fibre, step(1.0 + soft, 1.0 - soft, r));
@@ -153,11 +157,11 @@ impl Stem {
         let (a, b) = (place[0] * c + place[1] * s, place[1] * c - place[0] * s);
         // The sheath is thickest as a cap on the phloem.
         let inner = (a + 0.12).hypot(b * 0.96);
-        let ground = mix(srgb(214, 178, 112), srgb(186, 142, 78), 0.5 + 0.5 * streak);
+        let ground = mix(srgb(210, 170, 104), srgb(176, 130, 70), 0.5 + 0.5 * streak);
         let inside = mix(fibre, ground, step(0.80, 0.70, inner));
         let phloem = mix(srgb(150, 142, 74), srgb(112, 100, 50), 0.5 + 0.7 * noise(p, [9, 31, 31], 5));
         let inside = mix(inside, phloem, step(0.30, 0.22, (a - 0.40).hypot(b * 0.75)));
-        let lumen = srgb(26, 15, 9);
+        let lumen = srgb(34, 20, 12);
         let wall = srgb(232, 200, 136);
         // The plates between a vessel's cells are thin and pale.
         let plate = step(0.035, 0.015, around(3.0 * (p[0] - cord.joint)).abs() / 3.0);

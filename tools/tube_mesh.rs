@@ -12,11 +12,11 @@ use glam::DVec3;
 use lapis::mesh::TriMesh;
 
 /// The angle through which it is bent, in degrees, and the radius of the bend.
-const BEND: (f64, f64) = (90.0, 60.0);
+const BEND: (f64, f64) = (80.0, 55.0);
 /// The wall, outside and inside: radius, vertices around, rings along less one. So few are the project's
 /// tetrahedra that every triangle of the surface counts.
-const OUTSIDE: (f64, u32, u32) = (24.0, 20, 5);
-const INSIDE: (f64, u32, u32) = (12.0, 12, 4);
+const OUTSIDE: (f64, u32, u32) = (24.0, 20, 6);
+const INSIDE: (f64, u32, u32) = (12.0, 13, 4);
 
 fn main() -> ExitCode {
     let mut mesh = TriMesh::default();
@@ -68,14 +68,14 @@ fn wall(mesh: &mut TriMesh, (radius, count, parts): (f64, u32, u32), inwards: bo
         })
         .collect();
     for pair in rings.windows(2) {
-        join(mesh, pair[0], pair[1], inwards);
+        join(mesh, pair[0], pair[1], !inwards);
     }
     [rings[0], rings[rings.len() - 1]]
 }
 
 /// The end of the wall.
 fn close(mesh: &mut TriMesh, outside: Ring, inside: Ring, last: bool) {
-    join(mesh, outside, inside, !last);
+    join(mesh, outside, inside, last);
 }
 
 /// A band of triangles between two rings.
