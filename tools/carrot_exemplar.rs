@@ -21,7 +21,7 @@ use lapis::colour::LinearRgba;
 use lapis::volume::SolidTexture;
 
 /// Lines across the skin, in one square unit.
-const LINES: u32 = 46;
+const LINES: u32 = 40;
 /// Side roots, in one square unit.
 const ROOTS: u32 = 5;
 /// The depth of the cambium.
@@ -78,8 +78,8 @@ impl Carrot {
                 let long = between(0.0, 1.0);
                 Line {
                     centre: [(f64::from(n) + between(0.0, 1.0)) / f64::from(LINES), between(0.0, 1.0)],
-                    half: 0.03 + 0.19 * long * long,
-                    width: between(0.55, 0.95) * VOXEL,
+                    half: 0.03 + 0.16 * long * long,
+                    width: between(0.45, 0.7) * VOXEL,
                     bow: between(-0.025, 0.025),
                     lean: between(-0.06, 0.06),
                     cork: if n % 3 == 0 { between(0.6, 1.0) } else { between(0.0, 0.4) },
@@ -88,8 +88,8 @@ impl Carrot {
             .collect();
         lines.extend(roots.iter().map(|root| Line {
             centre: root.centre,
-            half: between(0.07, 0.12),
-            width: between(1.1, 1.5) * VOXEL,
+            half: between(0.045, 0.08),
+            width: between(0.8, 1.05) * VOXEL,
             bow: between(-0.01, 0.01),
             lean: 0.0,
             cork: 1.0,
@@ -152,11 +152,11 @@ impl Carrot {
             let across = around(x - line.centre[0] - off) / line.width;
             // Tapering to both ends; the tip's side has a lit lip.
             let thick = (1.0 - along * along).sqrt();
-            let lip = step(2.8, 1.2, (across - 1.4).abs() / thick.max(0.1)) * thick;
-            paint = mix(paint, srgb(250, 166, 84), (0.25 + 0.35 * line.cork) * lip);
+            let lip = step(1.5, 0.5, (across - 1.7 * thick).abs()) * thick;
+            paint = mix(paint, srgb(246, 158, 80), (0.15 + 0.45 * line.cork) * lip);
             let furrow = step(1.3, 0.5, across.abs() / thick.max(0.1));
-            let dark = mix(srgb(176, 70, 16), srgb(150, 92, 48), line.cork);
-            paint = mix(paint, dark, (0.55 + 0.3 * line.cork) * furrow);
+            let dark = mix(srgb(186, 76, 16), srgb(160, 88, 42), line.cork);
+            paint = mix(paint, dark, (0.4 + 0.45 * line.cork) * furrow);
         }
         paint
     }
@@ -170,7 +170,7 @@ fn flesh(p: [f64; 3]) -> Paint {
     let fibre = noise(p, [2, 18, 18], 3) + 0.7 * noise(p, [3, 28, 28], 4);
     let grain = noise(p, [20, 24, 24], 5);
     // The cambium is no perfect circle.
-    let depth = y + 0.010 * noise([p[0], 0.0, p[2]], [3, 1, 7], 11) + 0.006 * sheet;
+    let depth = y + 0.016 * noise([p[0], 0.0, p[2]], [3, 1, 8], 11) + 0.006 * sheet;
 
     // The bast, deeper in colour towards the cambium, where the rays show best.
     let bast = mix(srgb(243, 132, 36), srgb(230, 104, 14), step(0.10, 0.46, depth));
@@ -180,20 +180,22 @@ fn flesh(p: [f64; 3]) -> Paint {
     let bast = mix(bast, srgb(253, 172, 78), 0.40 * step(0.2, 1.0, fibre));
     let bast = mix(bast, srgb(212, 88, 8), 0.40 * step(-0.2, -1.0, fibre));
 
-    // The wood: yellow rays between orange ones, and a paler middle.
-    let star = noise(p, [2, 2, 12], 12) + 0.6 * noise(p, [2, 3, 24], 13);
-    let wood = mix(srgb(243, 150, 46), srgb(250, 186, 92), step(CAMBIUM, 0.97, depth));
-    let wood = mix(wood, srgb(255, 212, 126), 0.75 * step(0.0, 0.7, star));
-    let wood = mix(wood, srgb(232, 126, 28), 0.60 * step(0.0, -0.7, star) * step(1.0, 0.75, depth));
-    let wood = mix(wood, srgb(255, 216, 140), 0.35 * step(0.2, 1.0, fibre));
+    // The wood: many fine rays between yellow and orange, and a paler middle.
+    let star = noise(p, [2, 2, 22], 12) + 0.8 * noise(p, [2, 3, 36], 13);
+    let wood = mix(srgb(241, 146, 44), srgb(250, 184, 90), step(CAMBIUM, 0.95, depth));
+    let wood = mix(wood, srgb(255, 206, 118), 0.6 * step(0.0, 0.8, star));
+    let wood = mix(wood, srgb(232, 128, 30), 0.5 * step(0.0, -0.8, star) * step(1.05, 0.75, depth));
+    let wood = mix(wood, srgb(255, 212, 134), 0.35 * step(0.2, 1.0, fibre));
     let wood = mix(wood, srgb(230, 134, 40), 0.35 * step(-0.2, -1.0, fibre + 0.3 * grain));
 
-    let inside = mix(bast, wood, step(CAMBIUM, CAMBIUM + 0.03, depth));
+    // Rays cross the cambium, so that its ring is frayed.
+    let ring = depth + 0.012 * star;
+    let inside = mix(bast, wood, step(CAMBIUM, CAMBIUM + 0.03, ring));
     // The ring itself: a deep line and a bright one.
-    let deep = step(0.030, 0.008, (depth - (CAMBIUM - 0.026)).abs());
-    let bright = step(0.026, 0.010, (depth - (CAMBIUM + 0.012)).abs());
-    let inside = mix(inside, srgb(214, 84, 6), 0.6 * deep);
-    mix(inside, srgb(255, 206, 108), 0.9 * bright)
+    let deep = step(0.034, 0.008, (ring - (CAMBIUM - 0.028)).abs());
+    let bright = step(0.020, 0.006, (ring - (CAMBIUM + 0.010)).abs());
+    let inside = mix(inside, srgb(216, 86, 6), 0.55 * deep);
+    mix(inside, srgb(255, 206, 108), (0.75 + 0.2 * star) * bright)
 }
 
 /// What a picture shows around the root.

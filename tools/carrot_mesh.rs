@@ -21,11 +21,11 @@ use lapis::mesh::TriMesh;
 /// The profile: distance from the crown along the root and radius, from the dent where the leaves stood to
 /// the tip.
 const PROFILE: [[f64; 2]; 19] = [
-    [3.6, 0.0],
-    [3.0, 3.0],
-    [1.4, 6.2],
-    [0.3, 9.5],
-    [0.8, 13.0],
+    [2.6, 0.0],
+    [2.3, 3.0],
+    [1.2, 6.2],
+    [0.4, 9.5],
+    [0.9, 13.0],
     [3.2, 16.3],
     [7.5, 18.5],
     [14.0, 19.4],
@@ -36,20 +36,21 @@ const PROFILE: [[f64; 2]; 19] = [
     [78.0, 11.4],
     [90.0, 9.2],
     [100.0, 7.0],
-    [108.0, 4.9],
-    [114.5, 3.1],
-    [119.5, 1.7],
-    [121.5, 0.0],
+    [107.0, 5.2],
+    [112.5, 3.6],
+    [116.2, 2.2],
+    [117.8, 0.0],
 ];
 /// Where the root is deepest: along the axis from here to there, in distances from the crown.
-const AXIS: [f64; 2] = [18.0, 117.0];
+const AXIS: [f64; 2] = [17.0, 113.5];
 /// Where on the profile the shoulder ends: its vertex of this number has the greatest radius.
 const WIDEST: usize = 7;
 /// The length of edges as a part of the radius, and between which bounds, in millimetres.
-const EDGE: f64 = 0.42;
-const EDGES: [f64; 2] = [2.0, 7.4];
-/// Rings are this many edges apart: along the root there is less to show than around it.
-const APART: f64 = 0.98;
+const EDGE: f64 = 0.345;
+const EDGES: [f64; 2] = [1.9, 6.0];
+/// How many edges apart rings are, on the rounded shoulder and on the root: along that there is less to show
+/// than around it.
+const APART: [f64; 2] = [0.85, 1.5];
 /// Steps of each span of the profile when it is measured.
 const STEPS: usize = 200;
 
@@ -104,14 +105,12 @@ fn strokes(line: &Line) -> String {
         let lines: Vec<String> = points.chunks(5).map(|c| format!("    {},", c.join(", "))).collect();
         let _ = writeln!(text, "points = [\n{}\n]\n", lines.join("\n"));
     };
-    let mut axis = |table: &str, depth: Option<f64>| {
-        let at = |t: f64| on_axis(AXIS[0] + (AXIS[1] - AXIS[0]) * t);
-        stroke(table, depth, &mut (0..=12).map(|n| at(f64::from(n) / 12.0)));
-    };
-    axis("depth", Some(1.0));
-    axis("direction", None);
-    // Under the skin and half-way to the axis, from the crown to the tip; not where all of them meet.
-    for (part, lines, shift) in [(0.5, 4, 0.5), (0.93, 6, 0.0)] {
+    let middle = |t: f64| on_axis(AXIS[0] + (AXIS[1] - AXIS[0]) * t);
+    for (table, depth) in [("depth", Some(1.0)), ("direction", None)] {
+        stroke(table, depth, &mut (0..=12).map(|n| middle(f64::from(n) / 12.0)));
+    }
+    // From the crown to the tip, but not where all of them meet.
+    let mut along = |table: &str, depth: Option<f64>, part: f64, lines: u32, shift: f64| {
         for n in 0..lines {
             let angle = TAU * (f64::from(n) + shift) / f64::from(lines);
             let inside = |t: f64| {
@@ -119,9 +118,12 @@ fn strokes(line: &Line) -> String {
                 let middle = on_axis(at[0].clamp(AXIS[0], AXIS[1]));
                 middle + (on_carrot(at, angle) - middle) * part
             };
-            stroke("direction", None, &mut (0..=15).map(|n| inside(f64::from(n) / 15.0)));
+            stroke(table, depth, &mut (0..=15).map(|n| inside(f64::from(n) / 15.0)));
         }
-    }
+    };
+    along("depth", Some(0.5), 0.5, 5, 0.0);
+    along("direction", None, 0.93, 6, 0.0);
+    along("direction", None, 0.5, 4, 0.5);
     text
 }
 
@@ -133,7 +135,7 @@ fn on_carrot([from_crown, radius]: [f64; 2], angle: f64) -> DVec3 {
 
 /// The axis, a little off a straight line: nothing that grew among stones is straight.
 fn on_axis(from_crown: f64) -> DVec3 {
-    let t = from_crown / 121.5;
+    let t = from_crown / 117.8;
     let sway = |phase: f64, waves: f64| (TAU * (waves * t + phase)).sin() - (TAU * phase).sin();
     let bend = 3.4 * t * t * t;
     DVec3::new(-from_crown, 1.5 * sway(0.1, 0.9) + bend, 1.1 * sway(0.35, 1.3) - 1.6 * bend)
@@ -204,14 +206,19 @@ impl Line {
         (EDGE * radius).clamp(EDGES[0], EDGES[1])
     }
 
+    /// How far rings should be apart there.
+    fn apart(&self, far: f64) -> f64 {
+        self.edge(far) * if far < self.widest.0 { APART[0] } else { APART[1] }
+    }
+
     /// The rings between the two end points: how far along they lie, and how many vertices each has.
     fn rings(&self) -> Vec<(f64, u32)> {
-        // As many as fit, evenly: each step is one edge long.
+        // As many as fit, evenly: each step is one distance long.
         let parts = 20_000;
         let step = self.length() / f64::from(parts);
         let mut sums = vec![0.0];
         for n in 0..parts {
-            sums.push(sums[n as usize] + step / (APART * self.edge(step * (f64::from(n) + 0.5))));
+            sums.push(sums[n as usize] + step / self.apart(step * (f64::from(n) + 0.5)));
         }
         let total = sums[parts as usize];
         let count = total.round();
@@ -219,7 +226,7 @@ impl Line {
             .map(|n| {
                 let far = sums.partition_point(|s| *s < f64::from(n) * total / count) as f64 * step;
                 let around = TAU * self.at(far)[1] / self.edge(far);
-                (far, (around.round() as u32).max(5))
+                (far, (around.round() as u32).max(6))
             })
             .collect()
     }
