@@ -5,6 +5,7 @@
 //! Every key is listed in `docs/project-file.md`.
 
 mod check;
+mod fields;
 mod file;
 mod output;
 mod painted;
@@ -15,7 +16,7 @@ mod report;
 mod run;
 mod unknown;
 
-pub use file::{CutEntry, ExportEntry, ExportFormat, PictureEntry};
+pub use file::{CutEntry, ExportEntry, PictureEntry};
 pub use output::{OutputError, OutputFile, OutputFolder};
 pub use part::{DepthInput, DirectionInput, Part, PartError, ScaleInput, fill_part, is_tet_file, tet_mesh};
 pub use plan::{Along, Cut, Model, Picture, Project};

@@ -1,7 +1,6 @@
 //! A part: a mesh, a solid texture and what is painted, filled. The command line and the project file
 //! both come through here.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -9,25 +8,24 @@ use std::time::Instant;
 use glam::DVec3;
 use serde_json::json;
 
-use super::plan::{Cut, Model};
-use crate::cut::{CutError, cut};
+use super::fields::painted_fields;
+use super::plan::Cut;
+use crate::cut::CutError;
 use crate::exec::{Cancelled, Exec};
-use crate::field::{self, DepthParams, DirectionParams};
+use crate::field::{DepthParams, DirectionParams};
 use crate::lap::{self, Fields, FillError, FillParams, LappedSolid, TextureType};
 use crate::mesh::{
-    self, CleanError, CleanReport, MeshReadError, Mesher, TetError, TetFileError, TetMesh, TetParams,
-    TetReport, Wear,
+    self, CleanError, CleanReport, MeshReadError, Mesher, SplitError, TetError, TetFileError, TetMesh,
+    TetParams, TetReport, Wear,
 };
-use crate::paint::{
-    Canvas, DepthPaint, DirectionStroke, Ground, PaintError, PaintProblem, PaintedDepth, ScaleAt, bare,
-};
+use crate::paint::{DepthPaint, DirectionStroke, Ground, PaintError, PaintProblem, ScaleAt};
 use crate::project::Report;
 use crate::volume::{self, VolumeReadError};
 
 /// All that makes one filled model.
 #[derive(Debug, Clone)]
 pub struct Part {
-    /// The mesh file: a surface, or tetrahedra (`.node`, `.ele`), which are taken as they are.
+    /// The mesh file: a surface, or tetrahedra (`.node`, `.ele`, `.vtu`, `.msh`), which are taken as they are.
     pub mesh: PathBuf,
     /// How the surface is filled with tetrahedra.
     pub tets: TetParams,
@@ -41,6 +39,10 @@ pub struct Part {
     pub direction: Option<DirectionInput>,
     /// What sets the scale.
     pub scale: Option<ScaleInput>,
+    /// What paints the field that is texture x, where the type has one.
+    pub along: Option<DepthInput>,
+    /// What paints the field that is texture z, where the type has one.
+    pub across: Option<DepthInput>,
     /// The cuts on whose pieces something may be painted, in their order: the numbers of [`Ground::Piece`] count
     /// them.
     pub cuts: Vec<Cut>,
@@ -48,7 +50,7 @@ pub struct Part {
     pub fill: FillParams,
 }
 
-/// What paints the depth field: depth runs along the texture's second axis.
+/// What paints a field of numbers from 0 to 1: the depth (texture y), or `along` or `across` (texture x and z).
 #[derive(Debug, Clone)]
 pub struct DepthInput {
     /// Painted surfaces and strokes.
@@ -79,12 +81,12 @@ pub struct ScaleInput {
 #[derive(Debug, thiserror::Error)]
 pub enum PartError {
     /// The texture type needs something that is not given.
-    #[error("texture type {kind} needs {input}: {}", how_to_give(input))]
+    #[error("texture type {kind} needs {}: {}", inputs.join(" and "), how_to_give(inputs))]
     Needs {
         /// The type.
         kind: TextureType,
-        /// What is missing: `depth`, `direction` or `scale`.
-        input: &'static str,
+        /// What is missing: `depth`, `direction`, `scale`, `along`, `across`.
+        inputs: Vec<&'static str>,
     },
     /// Something is given that the texture type does not draw on.
     #[error("texture type {kind} takes no {input}: {}", why_not(*kind, input))]
@@ -94,9 +96,6 @@ pub enum PartError {
         /// What is too much.
         input: &'static str,
     },
-    /// A texture type that cannot be filled yet.
-    #[error("texture type {0} cannot be filled yet; 0, 1a, 1b, 2a and 2b can")]
-    Unsupported(TextureType),
     /// A constant direction without length.
     #[error("the constant direction is zero or not finite")]
     NoDirection,
@@ -124,6 +123,14 @@ pub enum PartError {
         path: PathBuf,
         /// Why.
         source: TetError,
+    },
+    /// Tetrahedra of a file that cannot be made fit for depth.
+    #[error("the tetrahedra of {} cannot take a painted depth", path.display())]
+    Split {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: SplitError,
     },
     /// Something painted that cannot be used.
     #[error(transparent)]
@@ -153,21 +160,29 @@ impl From<PaintError> for PartError {
     }
 }
 
-fn how_to_give(input: &str) -> &'static str {
-    match input {
-        "depth" => "paint it ([depth] in a project file; --core on the command line)",
-        "direction" => "set it ([direction] in a project file; --direction on the command line)",
-        _ => {
-            "the world length of one unit of texture ([scale] in a project file; --scale on the command line)"
+fn how_to_give(inputs: &[&str]) -> String {
+    let how = inputs.iter().map(|input| match *input {
+        "depth" => "paint depth ([depth] in a project file; --core on the command line)",
+        "direction" => "set the direction ([direction] in a project file; --direction on the command line)",
+        "scale" => {
+            "set the scale, the world length of one unit of texture ([scale] in a project file; --scale on the \
+             command line)"
         }
-    }
+        "along" => "paint along, where the texture's x runs ([along] in a project file only)",
+        _ => "paint across, where the texture's z runs ([across] in a project file only)",
+    });
+    how.collect::<Vec<_>>().join("; ")
 }
 
 fn why_not(kind: TextureType, input: &str) -> &'static str {
     match input {
+        "scale" if kind == TextureType::Type2d => "its fields say where each point of the texture goes",
         "scale" => "its scale follows from the depth",
         "direction" if kind == TextureType::Type0 => "it looks the same from every side",
-        "direction" => "it turns freely about the depth's gradient",
+        "direction" if kind == TextureType::Type1b => "it turns freely about the depth's gradient",
+        "direction" => "its directions follow from the fields",
+        "along" => "its texture's x is no field",
+        "across" => "its texture's z is no field",
         _ => "it does not vary with depth",
     }
 }
@@ -176,30 +191,29 @@ impl Part {
     /// Checks that what is given is what the texture's type draws on \[LST 3, 4\].
     ///
     /// # Errors
-    /// [`PartError::Unsupported`], [`PartError::Needs`], [`PartError::Takes`].
+    /// [`PartError::Needs`], [`PartError::Takes`].
     pub fn check(&self) -> Result<(), PartError> {
         let kind = self.kind;
-        if matches!(kind, TextureType::Type2c | TextureType::Type2d) {
-            return Err(PartError::Unsupported(kind));
+        let given = [
+            self.depth.is_some(),
+            self.direction.is_some(),
+            self.scale.is_some(),
+            self.along.is_some(),
+            self.across.is_some(),
+        ];
+        let all = kind.inputs().named().into_iter().zip(given);
+        if let Some(((input, _), _)) = all.clone().find(|((_, needed), given)| *given && !needed) {
+            return Err(PartError::Takes { kind, input });
         }
-        let needs = kind.inputs();
-        for (input, needed, given) in [
-            ("depth", needs.depth, self.depth.is_some()),
-            ("direction", needs.direction, self.direction.is_some()),
-            ("scale", needs.scale, self.scale.is_some()),
-        ] {
-            match (needed, given) {
-                (true, false) => return Err(PartError::Needs { kind, input }),
-                (false, true) => return Err(PartError::Takes { kind, input }),
-                _ => {}
-            }
-        }
-        Ok(())
+        let inputs: Vec<&'static str> =
+            all.filter(|((_, needed), given)| *needed && !given).map(|((input, _), _)| input).collect();
+        if inputs.is_empty() { Ok(()) } else { Err(PartError::Needs { kind, inputs }) }
     }
 
     /// What its strokes are drawn on.
-    fn grounds(&self) -> impl Iterator<Item = &Ground> {
-        let depth = self.depth.iter().flat_map(|d| d.paint.strokes.iter().map(|s| &s.place.on));
+    pub(super) fn grounds(&self) -> impl Iterator<Item = &Ground> {
+        let given = [&self.depth, &self.along, &self.across];
+        let depth = given.into_iter().flatten().flat_map(|d| d.paint.strokes.iter().map(|s| &s.place.on));
         let direction = match &self.direction {
             Some(DirectionInput::Strokes(strokes, _)) => &strokes[..],
             _ => &[],
@@ -290,7 +304,7 @@ fn making_notes(made: &TetReport) -> Vec<String> {
 #[must_use]
 pub fn is_tet_file(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-    matches!(extension.as_str(), "node" | "ele")
+    mesh::TET_EXTENSIONS.contains(&extension.as_str())
 }
 
 /// Fills one part: reads its mesh and its texture, makes the tetrahedra and the fields, laps.
@@ -312,6 +326,7 @@ pub fn fill_part(
     exec.check()?;
     let (mesh, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
     report.join(meshed);
+    let mesh = fit_for_depth(part, mesh, &mut report, exec)?;
     let start = Instant::now();
     let fields = painted_fields(part, &mesh, &Wear::default(), &mut report, exec)?.fields;
     report.took("fields", start);
@@ -324,109 +339,51 @@ pub fn fill_part(
     Ok((solid, report))
 }
 
+/// Tetrahedra of a file may have their four vertices on the surface; where depth is painted there, they are split.
+/// Those that are made here never have.
+fn fit_for_depth(part: &Part, mesh: TetMesh, report: &mut Report, exec: &Exec) -> Result<TetMesh, PartError> {
+    if !is_tet_file(&part.mesh) || !part.kind.inputs().depth {
+        return Ok(mesh);
+    }
+    let start = Instant::now();
+    let (mesh, splits) = mesh::split_for_depth(&mesh, exec).map_err(|e| match e {
+        SplitError::Cancelled(e) => e.into(),
+        source => PartError::Split { path: part.mesh.clone(), source },
+    })?;
+    report.add(&splits);
+    if splits != mesh::Splits::default() {
+        report.notes.push(format!(
+            "{} inner edges and {} tetrahedra that join the surface to itself were split, so that depth is flat in none",
+            splits.edges, splits.tets
+        ));
+    }
+    report.count("tetrahedra", mesh.tets.len());
+    report.count("vertices", mesh.vertices.len());
+    report.took("read", start);
+    Ok(mesh)
+}
+
 /// What made a model, for the record: every setting, but no path.
 fn settings(part: &Part, seed: u64) -> serde_json::Value {
     let direction = part.direction.as_ref().map(|d| match d {
         DirectionInput::Constant(v) => json!({ "constant": v }),
         DirectionInput::Strokes(strokes, params) => json!({ "stroke": strokes, "smooth": params }),
     });
-    json!({
+    let painted =
+        |input: &Option<DepthInput>| input.as_ref().map(|d| json!({ "paint": d.paint, "fit": d.params }));
+    let mut all = json!({
         "type": part.kind,
         "seed": seed,
         "mesh": part.tets,
-        "depth": part.depth.as_ref().map(|d| json!({ "paint": d.paint, "fit": d.params })),
+        "depth": painted(&part.depth),
         "direction": direction,
         "scale": part.scale.as_ref().map(|s| json!({ "everywhere": s.everywhere, "at": s.at })),
         "fill": part.fill,
-    })
-}
-
-/// The fields of a part, and the strokes in space that made them.
-#[derive(Debug, Clone)]
-pub(super) struct PaintedFields {
-    /// The fields.
-    pub(super) fields: Fields,
-    /// Strokes of depth.
-    pub(super) depth_strokes: Vec<field::DepthStroke>,
-    /// Strokes of direction.
-    pub(super) direction_strokes: Vec<field::DirectionStroke>,
-}
-
-/// Makes the fields. `wear` is what the mesh's surface wears.
-pub(super) fn painted_fields(
-    part: &Part,
-    mesh: &TetMesh,
-    wear: &Wear,
-    report: &mut Report,
-    exec: &Exec,
-) -> Result<PaintedFields, PartError> {
-    let pieces = pieces(part, mesh, exec)?;
-    let canvas = Canvas::new(mesh, wear, &pieces);
-    let mut painted = |name: &str, input: &Option<DepthInput>, layers: Option<&[f64]>| {
-        let Some(input) = input else { return Ok(None) };
-        let made = canvas.depth(name, &input.paint, &input.params, layers, exec)?;
-        report.section(&format!("{name}_field"), &made.field.report);
-        Ok::<_, PartError>(Some(made))
-    };
-    let depth = painted("depth", &part.depth, None)?;
-    let field = depth.as_ref().map(|d| &d.field);
-    let mut direction_strokes = Vec::new();
-    let direction = match &part.direction {
-        Some(DirectionInput::Constant(v)) => {
-            if v.try_normalize().is_none() {
-                return Err(PartError::NoDirection);
-            }
-            Some(canvas.constant_direction("direction.constant (--direction)", *v, field)?)
-        }
-        Some(DirectionInput::Strokes(strokes, params)) => {
-            let made = canvas.direction("direction", strokes, params, field, exec)?;
-            direction_strokes = made.strokes;
-            Some(made.field)
-        }
-        None => None,
-    };
-    let scale = match &part.scale {
-        Some(input) => Some(canvas.scale("scale", input.everywhere, &input.at, exec)?),
-        None => None,
-    };
-    let (depth, depth_strokes) = match depth {
-        Some(PaintedDepth { field, paint }) => (Some(field.values), paint.strokes),
-        None => (None, Vec::new()),
-    };
-    Ok(PaintedFields { fields: Fields { depth, direction, scale }, depth_strokes, direction_strokes })
-}
-
-/// The pieces on which something is painted, of the mesh as it is before it is filled, with all others of their cuts.
-fn pieces(
-    part: &Part,
-    mesh: &TetMesh,
-    exec: &Exec,
-) -> Result<BTreeMap<(usize, usize), LappedSolid>, PartError> {
-    let mut wanted: BTreeSet<usize> = part.grounds().filter_map(Ground::piece).map(|(cut, _)| cut).collect();
-    // A cut's own piece comes from an earlier one.
-    for number in (0..part.cuts.len()).rev().filter(|n| wanted.contains(n)).collect::<Vec<_>>() {
-        let mut of = part.cuts[number].of;
-        while let Model::Piece { cut, .. } = of {
-            wanted.insert(cut);
-            of = part.cuts[cut].of;
+    });
+    for (name, input) in [("along", &part.along), ("across", &part.across)] {
+        if let Some(input) = painted(input) {
+            all[name] = input;
         }
     }
-    let mut pieces = BTreeMap::new();
-    if wanted.is_empty() {
-        return Ok(pieces);
-    }
-    let whole = bare(mesh.clone());
-    for number in wanted {
-        let planned = &part.cuts[number];
-        let solid = match planned.of {
-            Model::Piece { cut, piece } => pieces.get(&(cut, piece)),
-            _ => Some(&whole),
-        };
-        // A piece that is not there is told to who painted on it.
-        let Some(solid) = solid else { continue };
-        let failed = |source| PartError::Cut { name: planned.name.clone(), source };
-        let made = cut(solid, &planned.along.surface(solid), &planned.params, exec).map_err(failed)?.0;
-        pieces.extend(made.into_iter().enumerate().map(|(i, piece)| ((number, i + 1), piece)));
-    }
-    Ok(pieces)
+    all
 }

@@ -143,6 +143,8 @@ impl Project {
             depth: file.depth.map(|t| tables.depth("depth", t)).transpose()?,
             direction: file.direction.map(|t| tables.direction(t)).transpose()?,
             scale: file.scale.map(|t| tables.scale(t)).transpose()?,
+            along: file.along.map(|t| tables.depth("along", t)).transpose()?,
+            across: file.across.map(|t| tables.depth("across", t)).transpose()?,
             cuts: cuts.clone(),
             fill: file.fill,
         };
