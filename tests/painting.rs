@@ -103,7 +103,7 @@ fn a_drawing_cuts_as_its_points_do() {
     assert_eq!((&json["counts"]["lines"], &json["measures"]["ids"][1]), (&2.into(), &"b".into()));
 }
 
-/// A cylinder of radius 1 from z = −1 to 1, as OBJ.
+/// A cylinder of radius 1 from z = −1 to 1, as OBJ of two groups, `ends` and `bark`.
 fn cylinder() -> String {
     let around = 24;
     let mut text = "v 0 0 -1\nv 0 0 1\n".to_owned();
@@ -114,8 +114,12 @@ fn cylinder() -> String {
         }
     }
     let at = |ring: i32, k: i32| 3 + ring * around + k % around;
+    text += "g ends\n";
     for k in 0..around {
         writeln!(text, "f 1 {} {}\nf 2 {} {}", at(0, k + 1), at(0, k), at(2, k), at(2, k + 1)).unwrap();
+    }
+    text += "g bark\n";
+    for k in 0..around {
         for ring in 0..2 {
             let (a, b, c, d) = (at(ring, k), at(ring, k + 1), at(ring + 1, k + 1), at(ring + 1, k));
             writeln!(text, "f {a} {b} {c}\nf {a} {c} {d}").unwrap();
@@ -173,6 +177,7 @@ fn the_examples_of_the_guide_run() {
     bench.file("p/kiwi.obj", scaled(&ball, [26.0, 26.0, 33.0]));
     bench.file("p/plank.obj", scaled(&ball, [0.6, 0.3, 0.6]));
     bench.file("p/cylinder.obj", cylinder());
+    bench.file("p/log.obj", cylinder());
     bench.file(
         "p/line.svg",
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 100 100\"><path id=\"along\" d=\"M40 40 C40 50 45 55 50 60\"/>\
@@ -180,14 +185,23 @@ fn the_examples_of_the_guide_run() {
     );
     let examples: Vec<&str> =
         guide.split("```toml\n").skip(1).map(|e| e.split("```").next().unwrap()).collect();
-    assert!(examples.len() >= 5);
+    assert!(examples.len() >= 6);
     for (i, example) in examples.iter().enumerate() {
         bench.file(&format!("p/e{i}.toml"), completed(example));
         bench.ok(&format!("run p/e{i}.toml --quiet"));
     }
+    let model = |mesh: &str| {
+        let n = examples.iter().position(|e| e.contains(mesh)).unwrap();
+        LappedSolid::from_bytes(&bench.read(&format!("out/e{n}/e{n}.lapis"))).unwrap()
+    };
+    // The log's bark has depth 0, its ends have what is inside.
+    let log = model("log.obj");
+    for (p, d) in log.mesh.vertices.iter().zip(&log.depth) {
+        assert!(p.truncate().length() < 0.9999 || *d == 0.0);
+    }
+    assert!(log.mesh.vertices.iter().zip(&log.depth).any(|(p, d)| p.z.abs() > 0.9999 && *d > 0.8));
     // The cake's side has depth 0 up to its rims, its top ½, its middle 1.
-    let cake = examples.iter().position(|e| e.contains("cylinder.obj")).unwrap();
-    let solid = LappedSolid::from_bytes(&bench.read(&format!("out/e{cake}/e{cake}.lapis"))).unwrap();
+    let solid = model("cylinder.obj");
     let depths = |at: &dyn Fn(DVec3) -> bool| {
         let here = solid.mesh.vertices.iter().zip(&solid.depth).filter(|(p, _)| at(**p));
         let here: Vec<f64> = here.map(|(_, d)| *d).collect();

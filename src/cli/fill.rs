@@ -37,6 +37,10 @@ pub(crate) struct Args {
     /// Types 1b, 2a, 2b: the depth of the mesh's surface [default: 0]
     #[arg(long, value_name = "DEPTH", value_parser = values::depth, allow_hyphen_values = true, requires = "core")]
     skin: Option<f64>,
+    /// Let the outside keep the mesh's own look (its materials, pictures or vertex colours): cuts show the
+    /// texture
+    #[arg(long)]
+    keep_look: bool,
     #[command(flatten)]
     tets: TetParams,
     #[command(flatten)]
@@ -65,6 +69,7 @@ impl Args {
         Part {
             mesh: self.mesh,
             tets: self.tets,
+            keep_look: self.keep_look,
             volume: self.texture,
             kind: self.kind,
             depth,

@@ -6,7 +6,7 @@ use glam::DVec3;
 use lapis::colour::encode;
 use lapis::files::read_whole;
 use lapis::lap::LappedSolid;
-use lapis::mesh::{FaceOrigin, TetLocator, TetMesh, TriMesh, clean, read_tets};
+use lapis::mesh::{FaceOrigin, TetLocator, TetMesh, TriMesh, Wear, clean, read_tets};
 use lapis::project::{Project, Report, is_tet_file};
 use lapis::view::{Camera, Drawing, StrokeFile, is_svg, read_camera};
 use lapis::volume::SolidTexture;
@@ -86,8 +86,10 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         let mut report = Report::default();
         match kind {
             Kind::Mesh => {
-                let mesh = lapis::mesh::read(path).map_err(Failure::because(what))?;
-                tri_mesh(&mut report, &mesh, session)?;
+                let file = lapis::mesh::read(path).map_err(Failure::because(what))?;
+                tri_mesh(&mut report, &file.mesh, session)?;
+                wear(&mut report, &file.wear);
+                report.measure("notes", file.notes);
             }
             Kind::Tets => tet_mesh(&mut report, &read_tets(path).map_err(Failure::because(what))?),
             Kind::Volume => volume(&mut report, &lapis::volume::read(path).map_err(Failure::because(what))?),
@@ -116,19 +118,26 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
     })
 }
 
-/// What people read: the kind first, then the numbers, then the points asked for.
+/// What people read: the kind first, then the numbers, then what there are lists of.
 fn text(path: &Path, report: &Report) -> String {
     let mut measures = report.measures.clone();
     let kind = measures.remove("kind");
-    let at = measures.remove("at");
+    let lists = ["regions", "materials", "notes", "at"].map(|name| (name, measures.remove(name)));
     let kind = kind.as_ref().and_then(Value::as_str).unwrap_or("file");
     let mut text = format!("{}: {kind}\n", path.display());
     table(&mut text, "  ", &report.counts);
     table(&mut text, "  ", &measures);
-    for point in at.as_ref().and_then(Value::as_array).into_iter().flatten() {
-        if let Some(map) = point.as_object() {
-            text += "  at\n";
-            table(&mut text, "    ", map);
+    for (name, list) in &lists {
+        for item in list.as_ref().and_then(Value::as_array).into_iter().flatten() {
+            // `regions` is a list of one `region` after the other.
+            let one = name.strip_suffix('s').unwrap_or(name);
+            match item {
+                Value::Object(map) => {
+                    text += &format!("  {one}\n");
+                    table(&mut text, "    ", map);
+                }
+                item => text += &format!("  {one}: {}\n", item.as_str().unwrap_or_default()),
+            }
         }
     }
     text
@@ -152,12 +161,12 @@ fn tri_mesh(report: &mut Report, mesh: &TriMesh, session: &Session) -> Result<()
     bounds(report, mesh.bounds());
     // A mesh of which cleaning leaves nothing has no more to tell.
     match clean(mesh) {
-        Ok((mesh, cleaned)) => {
+        Ok(cleaned) => {
             let mut cleaning = Report::default();
-            cleaning.add(&cleaned);
+            cleaning.add(&cleaned.report);
             report.nest("cleaned", cleaning);
-            report.measure("volume", mesh.volume());
-            let defects = lapis::mesh::defects(&mesh, session.exec())?;
+            report.measure("volume", cleaned.mesh.volume());
+            let defects = lapis::mesh::defects(&cleaned.mesh, session.exec())?;
             report
                 .measure("defects", if defects.is_empty() { "none".to_owned() } else { defects.to_string() });
         }
@@ -173,6 +182,22 @@ fn drawing(report: &mut Report, drawing: &Drawing) {
     report.measure("aspect", drawing.aspect);
     let ids: Vec<&str> = drawing.lines.iter().filter_map(|l| l.ids.first().map(String::as_str)).collect();
     report.measure("ids", ids);
+}
+
+/// What a mesh wears.
+fn wear(report: &mut Report, wear: &Wear) {
+    report.measure("texture_coordinates", !wear.uv.is_empty());
+    report.measure("vertex_colours", !wear.colours.is_empty());
+    let regions = wear
+        .regions
+        .iter()
+        .map(|r| json!({ "name": r.name, "kind": r.kind.name(), "triangles": r.triangles.len() }));
+    report.measure("regions", regions.collect::<Vec<_>>());
+    let materials = wear.materials.iter().map(|m| {
+        let picture = m.picture.and_then(|p| wear.pictures.get(p as usize)).map(|p| [p.width, p.height]);
+        json!({ "name": m.name, "colour": m.colour, "picture": picture })
+    });
+    report.measure("materials", materials.collect::<Vec<_>>());
 }
 
 fn tet_mesh(report: &mut Report, mesh: &TetMesh) {

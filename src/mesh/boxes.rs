@@ -96,6 +96,45 @@ impl BoxTree {
     }
 }
 
+impl BoxTree {
+    /// Visits every box that may hold something nearer to `p` than the best so far: `visit` gets the number
+    /// of a box and the square of the least distance so far, which begins at `within`, and gives the least
+    /// one from there on. In a fixed order, the nearer half of the boxes first.
+    pub(crate) fn nearer(&self, p: DVec3, within: f64, mut visit: impl FnMut(usize, f64) -> f64) {
+        if self.tree.nodes.is_empty() {
+            return;
+        }
+        // In the tree's own units, where boxes are rounded to `f32`: a little is allowed for that.
+        let own = ((p * 0.25 - self.low) * self.scale).as_vec3();
+        let per_unit = 0.25 * self.scale;
+        let own = Vec3A::from(own);
+        let slack = f64::from(own.abs().max_element().max(1.0)) * 1e-6;
+        let distance = |node: usize| {
+            let aabb = self.tree.nodes[node].aabb;
+            let d = f64::from(own.distance(own.clamp(aabb.min, aabb.max)));
+            (d - slack).max(0.0)
+        };
+        let mut best = within;
+        let mut stack: Vec<(f64, usize)> = vec![(distance(0), 0)];
+        while let Some((d, node)) = stack.pop() {
+            if d > best.sqrt() * per_unit {
+                continue;
+            }
+            let at = &self.tree.nodes[node];
+            let first = at.first_index as usize;
+            if at.prim_count > 0 {
+                for &i in &self.tree.primitive_indices[first..first + at.prim_count as usize] {
+                    best = visit(i as usize, best);
+                }
+            } else {
+                let (a, b) = ((distance(first), first), (distance(first + 1), first + 1));
+                // The nearer one is taken from the stack first.
+                stack.extend(if a.0 <= b.0 { [b, a] } else { [a, b] });
+            }
+        }
+    }
+}
+
 /// The closed box of a triangle.
 pub(crate) fn box_of([a, b, c]: [DVec3; 3]) -> [DVec3; 2] {
     [a.min(b).min(c), a.max(b).max(c)]
@@ -136,6 +175,33 @@ mod tests {
                         assert!(found[i] || !boxes_touch(b, other));
                     }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn the_nearest_is_found_wherever_the_mesh_lies() {
+        let mut rng = ChaCha8Rng::seed_from_u64(4);
+        for (offset, size) in [(0.0, 1.0), (1e6, 1.0), (0.0, 1e12), (-1e-6, 1e-9)] {
+            let mut point = || {
+                let mut x = || offset + size * f64::from(rng.next_u32() % 1000) / 1000.0;
+                DVec3::new(x(), x(), x())
+            };
+            let points: Vec<DVec3> = (0..300).map(|_| point()).collect();
+            let tree = BoxTree::new(&points.iter().map(|&p| [p, p]).collect::<Vec<_>>());
+            for _ in 0..100 {
+                let p = point() * 1.5;
+                let mut visited = 0;
+                let mut found = f64::INFINITY;
+                tree.nearer(p, f64::INFINITY, |i, best| {
+                    visited += 1;
+                    found = best.min(points[i].distance_squared(p));
+                    found
+                });
+                let nearest = points.iter().map(|q| q.distance_squared(p)).fold(f64::INFINITY, f64::min);
+                assert_eq!(found, nearest);
+                // Far away, all of them are about as near.
+                assert!(offset > 1.0 || visited < 150, "{visited} of 300 visited");
             }
         }
     }

@@ -33,6 +33,7 @@ pub fn bare(mesh: TetMesh) -> LappedSolid {
         patches: Vec::new(),
         exemplars: Vec::new(),
         masks: Vec::new(),
+        look: None,
         tet_origin: (0..tets as u32).collect(),
         cuts: 0,
         settings: Value::Null,

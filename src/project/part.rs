@@ -13,10 +13,10 @@ use super::plan::Cut;
 use crate::cut::CutError;
 use crate::exec::{Cancelled, Exec};
 use crate::field::{DepthParams, DirectionParams};
-use crate::lap::{self, Fields, FillError, FillParams, LappedSolid, TextureType};
+use crate::lap::{self, FillError, FillParams, LappedSolid, Look, LookError, TextureType};
 use crate::mesh::{
     self, CleanError, CleanReport, MeshReadError, Mesher, SplitError, TetError, TetFileError, TetMesh,
-    TetParams, TetReport, Wear,
+    TetParams, TetReport, TriMesh, Wear,
 };
 use crate::paint::{DepthPaint, DirectionStroke, Ground, PaintError, PaintProblem, ScaleAt};
 use crate::project::Report;
@@ -29,6 +29,8 @@ pub struct Part {
     pub mesh: PathBuf,
     /// How the surface is filled with tetrahedra.
     pub tets: TetParams,
+    /// Whether the outside keeps the mesh's own look, so that only cuts show the filling.
+    pub keep_look: bool,
     /// The solid texture: an `.nrrd` file or a folder of slices.
     pub volume: PathBuf,
     /// The texture's type.
@@ -143,6 +145,20 @@ pub enum PartError {
         /// Why.
         source: CutError,
     },
+    /// The mesh has no look to keep.
+    #[error(
+        "keep_look (--keep-look on the command line): {} has no look to keep{notes}; leave it out, or export the \
+         mesh with vertex colours or with its materials and pictures (OBJ with its MTL and PNG beside it, GLB, PLY)",
+        path.display()
+    )]
+    Look {
+        /// The mesh.
+        path: PathBuf,
+        /// What was said when it was read, each in brackets after a space.
+        notes: String,
+        /// What is missing.
+        source: LookError,
+    },
     /// The lapping failed.
     #[error("cannot lap the texture")]
     Fill(#[source] FillError),
@@ -222,6 +238,18 @@ impl Part {
     }
 }
 
+/// The tetrahedra of a part, and the surface that they were made of.
+#[derive(Debug, Clone, Default)]
+pub struct PartMesh {
+    /// The tetrahedra.
+    pub mesh: TetMesh,
+    /// The cleaned surface: [`FaceOrigin::Input`](crate::mesh::FaceOrigin::Input) counts its triangles. Empty
+    /// where the tetrahedra come from a file.
+    pub surface: TriMesh,
+    /// What that surface wears: regions, texture coordinates, colours, materials.
+    pub wear: Wear,
+}
+
 /// Reads a surface, cleans it and fills it with tetrahedra; tetrahedra in a file are taken as they are.
 ///
 /// # Errors
@@ -231,7 +259,7 @@ pub fn tet_mesh(
     params: &TetParams,
     mesher: &Mesher,
     exec: &Exec,
-) -> Result<(TetMesh, Report), PartError> {
+) -> Result<(PartMesh, Report), PartError> {
     let mut report = Report::default();
     let mut start = Instant::now();
     if is_tet_file(path) {
@@ -239,15 +267,18 @@ pub fn tet_mesh(
         report.took("read", start);
         report.count("tetrahedra", mesh.tets.len());
         report.count("vertices", mesh.vertices.len());
-        return Ok((mesh, report));
+        return Ok((PartMesh { mesh, ..PartMesh::default() }, report));
     }
-    let surface = mesh::read(path)?;
-    let (surface, cleaned) =
-        mesh::clean(&surface).map_err(|source| PartError::Clean { path: path.to_owned(), source })?;
+    let file = mesh::read(path)?;
+    report.notes.extend(file.notes);
+    let cleaned =
+        mesh::clean(&file.mesh).map_err(|source| PartError::Clean { path: path.to_owned(), source })?;
     let mut cleaning = Report::default();
-    cleaning.add(&cleaned);
+    cleaning.add(&cleaned.report);
     report.nest("cleaned", cleaning);
-    report.notes.extend(cleaning_note(&cleaned));
+    report.notes.extend(cleaning_note(&cleaned.report));
+    let wear = file.wear.carried_over(&cleaned.from);
+    let surface = cleaned.mesh;
     report.took("read", start);
     start = Instant::now();
     let (mesh, made) = mesh::tetrahedralise(&surface, params, mesher, exec)
@@ -259,7 +290,7 @@ pub fn tet_mesh(
     report.count("tetrahedra", mesh.tets.len());
     report.count("vertices", mesh.vertices.len());
     report.took("tetrahedralise", start);
-    Ok((mesh, report))
+    Ok((PartMesh { mesh, surface, wear }, report))
 }
 
 /// What cleaning changed; nothing for a mesh that was clean.
@@ -324,15 +355,17 @@ pub fn fill_part(
     let mut report = Report::default();
     report.took("read", start);
     exec.check()?;
-    let (mesh, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
+    let (PartMesh { mesh, surface, wear }, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
     report.join(meshed);
+    let look = if part.keep_look { Some(look(part, surface, &wear, &report.notes)?) } else { None };
     let mesh = fit_for_depth(part, mesh, &mut report, exec)?;
     let start = Instant::now();
-    let fields = painted_fields(part, &mesh, &Wear::default(), &mut report, exec)?.fields;
+    let fields = painted_fields(part, &mesh, &wear, &mut report, exec)?.fields;
     report.took("fields", start);
     let start = Instant::now();
     let (mut solid, filled) = lap::fill(mesh, Arc::new(texture), part.kind, &fields, &part.fill, seed, exec)
         .map_err(PartError::Fill)?;
+    solid.look = look;
     solid.settings = settings(part, seed);
     report.add(&filled);
     report.took("fill", start);
@@ -363,6 +396,15 @@ fn fit_for_depth(part: &Part, mesh: TetMesh, report: &mut Report, exec: &Exec) -
     Ok(mesh)
 }
 
+/// The look that the outside keeps.
+fn look(part: &Part, surface: TriMesh, wear: &Wear, notes: &[String]) -> Result<Arc<Look>, PartError> {
+    Look::new(surface, wear).map(Arc::new).map_err(|source| PartError::Look {
+        path: part.mesh.clone(),
+        notes: notes.iter().map(|note| format!(" ({note})")).collect(),
+        source,
+    })
+}
+
 /// What made a model, for the record: every setting, but no path.
 fn settings(part: &Part, seed: u64) -> serde_json::Value {
     let direction = part.direction.as_ref().map(|d| match d {
@@ -375,6 +417,7 @@ fn settings(part: &Part, seed: u64) -> serde_json::Value {
         "type": part.kind,
         "seed": seed,
         "mesh": part.tets,
+        "keep_look": part.keep_look,
         "depth": painted(&part.depth),
         "direction": direction,
         "scale": part.scale.as_ref().map(|s| json!({ "everywhere": s.everywhere, "at": s.at })),

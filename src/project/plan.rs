@@ -138,6 +138,7 @@ impl Project {
         let part = Part {
             mesh: folder.join(file.mesh.file),
             tets: TetParams { tets: file.mesh.tets, keep_surface: file.mesh.keep_surface },
+            keep_look: file.mesh.keep_look,
             volume: folder.join(file.texture.volume),
             kind: file.texture.kind,
             depth: file.depth.map(|t| tables.depth("depth", t)).transpose()?,

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::colour::LinearRgba;
 use crate::lap::LappedSolid;
-use crate::mesh::{FaceOrigin, TET_FACES, index};
+use crate::mesh::{BoundaryFace, FaceOrigin, TET_FACES, index};
 
 /// Faces that meet at a smaller angle than this, in degrees, share a smooth normal.
 pub const CREASE_DEG: f64 = 40.0;
@@ -137,16 +137,42 @@ impl<'a> Surface<'a> {
         kind(self.origin(f)) == kind(self.origin(g))
     }
 
-    /// Colour at barycentric coordinates of face `f`: the colour of its tetrahedron there.
+    /// Colour at barycentric coordinates of face `f`: the colour of its tetrahedron there. On the input surface
+    /// of a solid that keeps its mesh's own look, that look lies over it.
     #[must_use]
     pub fn colour(&self, f: usize, barycentric: [f32; 3]) -> LinearRgba {
         let face = self.solid.mesh.boundary[f];
+        let look = match (&self.solid.look, face.origin) {
+            (Some(look), FaceOrigin::Input(triangle)) => {
+                let [a, b, c] = self.corners(f);
+                // From differences, so that the point stays in the face's plane.
+                let p = a + (b - a) * f64::from(barycentric[1]) + (c - a) * f64::from(barycentric[2]);
+                look.colour(p, triangle, self.flat[f])
+            }
+            _ => [0.0; 4],
+        };
+        if look[3] >= 1.0 { look } else { over(look, self.filling(face, barycentric)) }
+    }
+
+    /// The colour of a face's tetrahedron at barycentric coordinates of the face.
+    fn filling(&self, face: BoundaryFace, barycentric: [f32; 3]) -> LinearRgba {
         let mut in_tet = [0.0; 4];
         for (k, b) in TET_FACES[face.face as usize].into_iter().zip(barycentric) {
             in_tet[k] = b;
         }
         self.solid.colour(face.tet as usize, in_tet)
     }
+}
+
+/// One colour over another.
+fn over(top: LinearRgba, below: LinearRgba) -> LinearRgba {
+    if top[3] <= 0.0 {
+        return below;
+    }
+    let rest = below[3] * (1.0 - top[3]);
+    let alpha = top[3] + rest;
+    let channel = |n: usize| (top[n] * top[3] + below[n] * rest) / alpha;
+    [channel(0), channel(1), channel(2), alpha]
 }
 
 fn kind(origin: FaceOrigin) -> Option<u32> {

@@ -6,7 +6,8 @@ use crate::mesh::defects;
 use crate::mesh::defects::tests::{cube, join};
 
 fn sound(mesh: &TriMesh) -> (TriMesh, CleanReport) {
-    let (cleaned, report) = clean(mesh).unwrap();
+    let Cleaned { mesh: cleaned, from, report } = clean(mesh).unwrap();
+    come_from(mesh, &cleaned, &from);
     let found = defects(&cleaned, &Exec::default()).unwrap();
     assert!(found.is_empty(), "{found}");
     assert_eq!((cleaned.vertices.len(), cleaned.triangles.len()), (report.vertices, report.triangles));
@@ -16,10 +17,24 @@ fn sound(mesh: &TriMesh) -> (TriMesh, CleanReport) {
         report.triangles + report.degenerate + report.duplicate + report.back_to_back
     );
     // Once is enough.
-    let (again, second) = clean(&cleaned).unwrap();
+    let Cleaned { mesh: again, report: second, .. } = clean(&cleaned).unwrap();
     assert_eq!(again, cleaned);
     assert!(second.is_unchanged(), "{second}");
     (cleaned, report)
+}
+
+/// Every corner lies where its provenance says.
+fn come_from(old: &TriMesh, new: &TriMesh, from: &Provenance) {
+    assert_eq!(from.triangles().len(), new.triangles.len());
+    let (low, high) = new.bounds().unwrap();
+    for t in 0..new.triangles.len() {
+        let corners = old.corners(from.triangles()[t] as usize);
+        for (p, w) in new.corners(t).into_iter().zip(from.weights(t)) {
+            assert!((w.iter().sum::<f64>() - 1.0).abs() < 1e-12 && w.iter().all(|w| (0.0..=1.0).contains(w)));
+            let there = corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2];
+            assert!(p.distance(there) <= 1e-8 * low.distance(high), "triangle {t}: {p} is not at {there}");
+        }
+    }
 }
 
 /// Each triangle with vertices of its own.
@@ -91,7 +106,7 @@ fn back_to_back_triangles_go_or_stay_as_the_surface_needs() {
     // Its wall must be cut along the same diagonal.
     mirrored.triangles.retain(|t| ![[0, 4, 6], [0, 6, 2]].contains(t));
     mirrored.triangles.extend([[0, 4, 2], [4, 6, 2]]);
-    let (cleaned, report) = match clean(&boxes).unwrap().1.back_to_back {
+    let (cleaned, report) = match clean(&boxes).unwrap().report.back_to_back {
         4 => sound(&boxes),
         _ => sound(&join(&[cube(DVec3::ZERO, 1.0), mirrored])),
     };
@@ -145,10 +160,12 @@ fn shells_face_outwards_and_cavities_inwards() {
 #[test]
 fn shells_that_touch_in_a_vertex_are_placed() {
     // The inner box touches the outer one in a corner's vertex: still a cavity.
-    let (cleaned, report) = clean(&join(&[cube(DVec3::ZERO, 4.0), cube(DVec3::ZERO, 1.0)])).unwrap();
+    let Cleaned { mesh: cleaned, report, .. } =
+        clean(&join(&[cube(DVec3::ZERO, 4.0), cube(DVec3::ZERO, 1.0)])).unwrap();
     assert_eq!((report.welded, report.cavities), (1, 1));
     assert!((cleaned.volume() - 63.0).abs() < 1e-12);
-    let (cleaned, report) = clean(&join(&[cube(DVec3::ZERO, 4.0), cube(-DVec3::ONE, 1.0)])).unwrap();
+    let Cleaned { mesh: cleaned, report, .. } =
+        clean(&join(&[cube(DVec3::ZERO, 4.0), cube(-DVec3::ONE, 1.0)])).unwrap();
     assert_eq!((report.welded, report.cavities), (1, 0));
     assert!((cleaned.volume() - 65.0).abs() < 1e-12);
 }
@@ -158,7 +175,7 @@ fn open_and_one_sided_parts_are_left_to_the_majority() {
     let mut mesh = cube(DVec3::ZERO, 1.0);
     mesh.triangles.drain(0..2);
     mesh.triangles.iter_mut().take(8).for_each(|t| t.swap(0, 1));
-    let (cleaned, report) = clean(&mesh).unwrap();
+    let Cleaned { mesh: cleaned, report, .. } = clean(&mesh).unwrap();
     assert_eq!((report.flipped, report.shells, report.closed_shells), (2, 1, 0));
     assert_eq!(defects(&cleaned, &Exec::default()).unwrap().inconsistent_edges.count, 0);
     // A Möbius strip of nine points.
@@ -175,7 +192,7 @@ fn open_and_one_sided_parts_are_left_to_the_majority() {
             [[a, c, b], [b, c, d]]
         })
         .collect();
-    let (cleaned, report) = clean(&TriMesh { vertices, triangles }).unwrap();
+    let Cleaned { mesh: cleaned, report, .. } = clean(&TriMesh { vertices, triangles }).unwrap();
     assert_eq!((report.shells, report.closed_shells), (1, 0));
     assert!(defects(&cleaned, &Exec::default()).unwrap().inconsistent_edges.count > 0);
 }
