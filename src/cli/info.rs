@@ -244,6 +244,11 @@ fn lapped_solid(report: &mut Report, solid: &LappedSolid, at: &[DVec3]) {
     #[allow(clippy::cast_precision_loss)]
     let mean = solid.layer_patch.len() as f64 / solid.mesh.tets.len().max(1) as f64;
     report.measure("layers_mean", mean);
+    if let Some(look) = &solid.look {
+        let (surface, worn) = (look.surface(), look.wear());
+        let pictures: Vec<[u32; 2]> = worn.pictures.iter().map(|p| [p.width, p.height]).collect();
+        report.measure("look", json!({ "triangles": surface.triangles.len(), "pictures": pictures }));
+    }
     if !solid.settings.is_null() {
         report.measure("settings", solid.settings.clone());
     }

@@ -290,4 +290,40 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_look_lies_over_the_outside_only() {
+        use std::sync::Arc;
+
+        use crate::lap::Look;
+        use crate::mesh::{Wear, index};
+
+        let mut half = testing::half_ball(4);
+        let plain = half.clone();
+        // The look's surface is the boundary itself; half of its triangles are clear.
+        let triangles: Vec<[u32; 3]> =
+            half.mesh.boundary.iter().map(|f| half.mesh.face_vertices(f)).collect();
+        let colour = |t: usize| [200, 0, 0, [255, 0, 51][t % 3]];
+        let wear =
+            Wear { colours: (0..triangles.len()).map(|t| [colour(t); 3]).collect(), ..Wear::default() };
+        let outer = crate::mesh::TriMesh { vertices: half.mesh.vertices.clone(), triangles };
+        for (f, face) in half.mesh.boundary.iter_mut().enumerate() {
+            if let FaceOrigin::Input(t) = &mut face.origin {
+                *t = index(f);
+            }
+        }
+        half.look = Some(Arc::new(Look::new(outer, &wear).unwrap()));
+        let (with, without) = (Surface::new(&half), Surface::new(&plain));
+        let red = crate::colour::linear_from_srgb(200);
+        for f in 0..with.faces.len() {
+            let at = [0.5, 0.25, 0.25];
+            let (found, below) = (with.colour(f, at), without.colour(f, at));
+            let expected = match (with.origin(f), f % 3) {
+                (FaceOrigin::Cut(_), _) | (_, 1) => below,
+                (_, 0) => [red, 0.0, 0.0, 1.0],
+                _ => [0.2 * red + 0.8 * below[0], 0.8 * below[1], 0.8 * below[2], 1.0],
+            };
+            assert!((0..4).all(|n| (found[n] - expected[n]).abs() < 1e-5), "{f}: {found:?} {expected:?}");
+        }
+    }
 }

@@ -4,6 +4,7 @@ use super::*;
 use crate::exec::Exec;
 use crate::mesh::defects;
 use crate::mesh::defects::tests::{cube, join};
+use crate::mesh::{Region, RegionKind, Wear};
 
 fn sound(mesh: &TriMesh) -> (TriMesh, CleanReport) {
     let Cleaned { mesh: cleaned, from, report } = clean(mesh).unwrap();
@@ -234,4 +235,60 @@ fn tiny_and_huge_sizes_work_alike() {
         let (cleaned, report) = sound(&soup(&cube(DVec3::splat(0.1 * size), size)));
         assert_eq!((cleaned.vertices.len(), report.closed_shells), (8, 1));
     }
+}
+
+#[test]
+fn what_a_mesh_wears_follows_its_triangles() {
+    // A soup with a triangle without area (so that one is split), a duplicate and a triangle turned over.
+    let mut mesh = cube(DVec3::ZERO, 1.0);
+    mesh.vertices.push(dvec3(0.4, 0.0, 0.0));
+    let at = mesh.triangles.iter().position(|t| *t == [0, 1, 5]).unwrap();
+    mesh.triangles[at] = [0, 8, 5];
+    mesh.triangles.extend([[8, 1, 5], [0, 1, 8], [0, 8, 5]]);
+    let turned = (at + 3) % 12;
+    mesh.triangles[turned].swap(0, 1);
+    let mesh = soup(&mesh);
+    // Texture coordinates and colours that are linear in space, so that each corner's can be told by its place.
+    let uv = |p: DVec3| [(p.x + 2.0 * p.y) as f32, (p.z - p.x) as f32];
+    let count = mesh.triangles.len();
+    let wear = Wear {
+        regions: vec![
+            Region {
+                name: "even".into(),
+                kind: RegionKind::Group,
+                triangles: (0..count as u32).step_by(2).collect(),
+            },
+            Region { name: "gone".into(), kind: RegionKind::Group, triangles: vec![count as u32 - 1] },
+        ],
+        uv: (0..count).map(|t| mesh.corners(t).map(uv)).collect(),
+        colours: (0..count)
+            .map(|t| mesh.corners(t).map(|p| [(200.0 * p.x) as u8, (200.0 * p.y) as u8, 0, 255]))
+            .collect(),
+        material: (0..count as u32).collect(),
+        ..Wear::default()
+    };
+    let Cleaned { mesh: cleaned, from, report } = clean(&mesh).unwrap();
+    assert!(report.split == 1 && report.degenerate == 1 && report.duplicate == 1 && report.flipped > 0);
+    assert!(report.welded > 20, "{report}");
+    let worn = wear.carried_over(&from);
+    assert_eq!(worn.material, from.triangles());
+    for t in 0..cleaned.triangles.len() {
+        for (k, p) in cleaned.corners(t).into_iter().enumerate() {
+            let expected = uv(p);
+            assert!(
+                (0..2).all(|n| (worn.uv[t][k][n] - expected[n]).abs() < 1e-6),
+                "triangle {t}, corner {k}"
+            );
+            // The split edge is between two corners of a colour each, mixed in linear light.
+            if p.x != 0.4 {
+                assert_eq!(worn.colours[t][k][..2], [(200.0 * p.x) as u8, (200.0 * p.y) as u8]);
+            }
+        }
+        let even = worn.region("even").unwrap().contains(&(t as u32));
+        assert_eq!(even, from.triangles()[t] % 2 == 0);
+    }
+    // Both halves of the split triangle belong to what it belonged to.
+    let halves: Vec<u32> = from.triangles().to_vec();
+    assert!((0..count as u32).any(|old| halves.iter().filter(|&&h| h == old).count() == 2));
+    assert_eq!(worn.region("gone"), Ok(&[][..]));
 }
