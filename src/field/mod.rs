@@ -21,7 +21,8 @@ pub use depth::{
 };
 pub use direction::{DirectionError, DirectionParams, DirectionStroke, direction_field};
 pub use frame::{FrameError, FrameField, FrameLength, depth_lengths};
+pub(crate) use gradient::rising;
 pub use gradient::tet_gradients;
 pub use rbf::{Kernel, Rbf, RbfError, RbfParams, RbfReport};
 pub use scale::{ScaleAt, ScaleError, scale_field};
-pub(crate) use stroke::sample;
+pub(crate) use stroke::{Sample, sample};
