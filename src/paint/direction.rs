@@ -106,6 +106,10 @@ impl Canvas<'_> {
     fn along_gradient(&self, lines: &[Vec<DVec3>], axes: &[Option<DVec3>]) -> bool {
         let along = |q: &Sample| {
             let Some((tet, b)) = self.locator().nearest(q.point) else { return false };
+            let closest: DVec3 = self.mesh.corners(tet).into_iter().zip(b).map(|(v, b)| v * b).sum();
+            if closest.distance(q.point) > self.edge {
+                return false;
+            }
             let most = (1..4).fold(0, |a, k| if b[k] > b[a] { k } else { a });
             axes[self.mesh.tets[tet][most] as usize].is_some_and(|axis| near(q.tangent, axis))
         };
