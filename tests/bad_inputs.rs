@@ -155,7 +155,7 @@ fn files_of_tetrahedra() {
             (&fill("quad.vtu"), 1, &["quad.vtu", "no tetrahedra", "lapis tetrahedralise"]),
             (&fill("one.msh"), 1, &["one.msh", "line 2", "version 1", "gmsh"]),
             (&fill("forty.msh"), 1, &["forty.msh", "version 4", "msh41"]),
-            (&fill("node.msh"), 1, &["node.msh", "line 12", "element 1", "node 5"]),
+            (&fill("node.msh"), 1, &["node.msh", "line 13", "element 1", "node 5"]),
             (&fill("flat.msh"), 1, &["flat.msh", "tetrahedron 0", "flat"]),
             (&fill("many.msh"), 1, &["many.msh", "4000000000"]),
             (&fill("alone.node"), 1, &["alone.ele"]),
