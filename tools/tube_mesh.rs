@@ -16,7 +16,7 @@ const BEND: (f64, f64) = (80.0, 55.0);
 /// The wall, outside and inside: radius, vertices around, rings along less one. So few are the project's
 /// tetrahedra that every triangle of the surface counts.
 const OUTSIDE: (f64, u32, u32) = (24.0, 20, 6);
-const INSIDE: (f64, u32, u32) = (12.0, 13, 4);
+const INSIDE: (f64, u32, u32) = (11.0, 12, 4);
 
 fn main() -> ExitCode {
     let mut mesh = TriMesh::default();
