@@ -164,7 +164,7 @@ impl Stem {
         let inside = mix(fibre, ground, step(0.80, 0.70, inner));
         let phloem = mix(srgb(150, 142, 74), srgb(112, 100, 50), 0.5 + 0.7 * noise(p, [9, 31, 31], 5));
         let inside = mix(inside, phloem, step(0.30, 0.22, (a - 0.40).hypot(b * 0.75)));
-        let lumen = srgb(34, 20, 12);
+        let lumen = srgb(46, 27, 15);
         let wall = srgb(232, 200, 136);
         // The plates between a vessel's cells are thin and pale.
         let plate = step(0.035, 0.015, around(3.0 * (p[0] - cord.joint)).abs() / 3.0);
