@@ -20,6 +20,9 @@ mod simplify;
 mod split;
 mod surface;
 
+#[cfg(test)]
+pub(super) use quality::dihedral_angles;
+
 /// The most tetrahedra that may be asked for.
 pub const MAX_TETS: usize = 20_000_000;
 
