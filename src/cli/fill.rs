@@ -17,7 +17,7 @@ use super::values::{self, Polyline};
 /// `lapis fill MESH --texture VOLUME --type T … -o MODEL.lapis`
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The mesh: OBJ, STL, PLY, OFF, GLB, glTF, or tetrahedra (.node, .ele)
+    /// The mesh: OBJ, STL, PLY, OFF, GLB, glTF, or tetrahedra (.node, .ele, .vtu, .msh)
     mesh: PathBuf,
     /// The solid texture: an .nrrd file, or a folder of PNG slices along z
     #[arg(long, value_name = "VOLUME")]

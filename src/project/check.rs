@@ -231,6 +231,9 @@ pub(super) fn settings(fill: &FillParams, export: &ExportEntry) -> Result<(), Pr
     if let Some((key, value, range)) = fill.fault() {
         return Err(ProjectProblem::Range { key: format!("fill.{key}"), value, range });
     }
+    if let Some(name) = repeated(export.formats.iter().map(|f| f.extension())) {
+        return Err(ProjectProblem::Twice { kind: "export format", name: name.to_owned() });
+    }
     export
         .atlas
         .validate()

@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::cut::CutParams;
-use crate::export::{AtlasParams, PlyParams};
+use crate::export::{AtlasParams, ExportFormat, PlyParams};
 use crate::field::{DepthParams, DepthStroke, DirectionParams, DirectionStroke, ScaleAt};
 use crate::lap::{FillParams, TextureType};
 use crate::mesh::TetParams;
@@ -160,7 +160,7 @@ fn show_whole() -> Vec<String> {
 pub struct ExportEntry {
     /// The formats.
     pub formats: Vec<ExportFormat>,
-    /// How the GLB's texture is baked.
+    /// How the texture of GLB and OBJ is baked.
     pub atlas: AtlasParams,
     /// How the PLY's vertices are made.
     pub ply: PlyParams,
@@ -169,29 +169,5 @@ pub struct ExportEntry {
 impl Default for ExportEntry {
     fn default() -> Self {
         Self { formats: vec![ExportFormat::Glb], atlas: AtlasParams::default(), ply: PlyParams::default() }
-    }
-}
-
-/// A format that models are exported to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ExportFormat {
-    /// Binary glTF with a baked texture atlas.
-    Glb,
-    /// PLY with vertex colours.
-    Ply,
-}
-
-impl ExportFormat {
-    /// All formats.
-    pub const ALL: [Self; 2] = [Self::Glb, Self::Ply];
-
-    /// The file name's extension, without the dot.
-    #[must_use]
-    pub fn extension(self) -> &'static str {
-        match self {
-            Self::Glb => "glb",
-            Self::Ply => "ply",
-        }
     }
 }

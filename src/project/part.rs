@@ -15,8 +15,8 @@ use crate::field::{
 };
 use crate::lap::{self, Fields, FillError, FillParams, LappedSolid, TextureType};
 use crate::mesh::{
-    self, CleanError, CleanReport, MeshReadError, Mesher, TetError, TetFileError, TetMesh, TetParams,
-    TetReport, TopologyError,
+    self, CleanError, CleanReport, MeshReadError, Mesher, SplitError, TetError, TetFileError, TetMesh,
+    TetParams, TetReport, TopologyError,
 };
 use crate::project::Report;
 use crate::volume::{self, VolumeReadError};
@@ -27,7 +27,7 @@ pub const MAX_REFINE_SINGULAR: u32 = 6;
 /// All that makes one filled model.
 #[derive(Debug, Clone)]
 pub struct Part {
-    /// The mesh file: a surface, or tetrahedra (`.node`, `.ele`), which are taken as they are.
+    /// The mesh file: a surface, or tetrahedra (`.node`, `.ele`, `.vtu`, `.msh`), which are taken as they are.
     pub mesh: PathBuf,
     /// How the surface is filled with tetrahedra.
     pub tets: TetParams,
@@ -133,6 +133,14 @@ pub enum PartError {
         "refine_singular is {0}; it must be 0 to {MAX_REFINE_SINGULAR}: each level halves the edges there"
     )]
     RefineLevels(u32),
+    /// Tetrahedra of a file that cannot be made fit for depth.
+    #[error("the tetrahedra of {} cannot take a painted depth", path.display())]
+    Split {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: SplitError,
+    },
     /// No field of numbers comes of what is painted.
     #[error("cannot make the field '{field}'")]
     Depth {
@@ -291,7 +299,7 @@ fn making_notes(made: &TetReport) -> Vec<String> {
 #[must_use]
 pub fn is_tet_file(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-    matches!(extension.as_str(), "node" | "ele")
+    mesh::TET_EXTENSIONS.contains(&extension.as_str())
 }
 
 /// Fills one part: reads its mesh and its texture, makes the tetrahedra and the fields, laps.
@@ -313,6 +321,7 @@ pub fn fill_part(
     exec.check()?;
     let (mut mesh, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
     report.join(meshed);
+    mesh = fit_for_depth(part, mesh, &mut report, exec)?;
     let start = Instant::now();
     let mut fields = self::fields(part, &mesh, &mut report, exec)?;
     let mut singular = singularities(part, &mesh, &fields);
@@ -343,6 +352,30 @@ pub fn fill_part(
 fn singularities(part: &Part, mesh: &TetMesh, fields: &Fields) -> Singularities {
     let line_field = matches!(&part.direction, Some(DirectionInput::Strokes(_, params)) if params.line_field);
     FrameField::new(mesh, fields, part.kind.given()).singularities(mesh, line_field)
+}
+
+/// Tetrahedra of a file may have their four vertices on the surface; where depth is painted there, they are split.
+/// Those that are made here never have.
+fn fit_for_depth(part: &Part, mesh: TetMesh, report: &mut Report, exec: &Exec) -> Result<TetMesh, PartError> {
+    if !is_tet_file(&part.mesh) || !part.kind.inputs().depth {
+        return Ok(mesh);
+    }
+    let start = Instant::now();
+    let (mesh, splits) = mesh::split_for_depth(&mesh, exec).map_err(|e| match e {
+        SplitError::Cancelled(e) => e.into(),
+        source => PartError::Split { path: part.mesh.clone(), source },
+    })?;
+    report.add(&splits);
+    if splits != mesh::Splits::default() {
+        report.notes.push(format!(
+            "{} inner edges and {} tetrahedra that join the surface to itself were split, so that depth is flat in none",
+            splits.edges, splits.tets
+        ));
+    }
+    report.count("tetrahedra", mesh.tets.len());
+    report.count("vertices", mesh.vertices.len());
+    report.took("read", start);
+    Ok(mesh)
 }
 
 /// What made a model, for the record: every setting, but no path.
