@@ -15,8 +15,9 @@ mod params;
 mod seed;
 mod solid;
 
+pub use crate::field::Fields;
 pub use file::{FORMAT_VERSION, METADATA_KEY, ModelFileError};
-pub use fill::{Fields, FillError, FillReport, fill};
+pub use fill::{FillError, FillReport, fill};
 pub use kind::{Inputs, TextureType, UnknownType};
 pub use measure::FillMeasures;
 pub use params::FillParams;

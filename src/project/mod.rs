@@ -16,7 +16,10 @@ mod unknown;
 
 pub use file::{CutEntry, ExportEntry, PictureEntry};
 pub use output::{OutputError, OutputFile, OutputFolder};
-pub use part::{DepthInput, DirectionInput, Part, PartError, ScaleInput, fill_part, is_tet_file, tet_mesh};
+pub use part::{
+    DepthInput, DirectionInput, MAX_REFINE_SINGULAR, Part, PartError, ScaleInput, fill_part, is_tet_file,
+    tet_mesh,
+};
 pub use plan::{Along, Cut, Model, Picture, Project};
 pub use problem::{ProjectError, ProjectProblem};
 pub use report::{Output, Report};

@@ -10,16 +10,19 @@ use serde_json::json;
 
 use crate::exec::{Cancelled, Exec};
 use crate::field::{
-    self, DepthError, DepthPaint, DepthParams, DirectionError, DirectionParams, DirectionStroke, ScaleAt,
-    ScaleError,
+    self, DepthError, DepthPaint, DepthParams, DirectionError, DirectionParams, DirectionStroke, FrameField,
+    ScaleAt, ScaleError, Singularities,
 };
 use crate::lap::{self, Fields, FillError, FillParams, LappedSolid, TextureType};
 use crate::mesh::{
     self, CleanError, CleanReport, MeshReadError, Mesher, SplitError, TetError, TetFileError, TetMesh,
-    TetParams, TetReport,
+    TetParams, TetReport, TopologyError,
 };
 use crate::project::Report;
 use crate::volume::{self, VolumeReadError};
+
+/// The most levels of refinement at singularities.
+pub const MAX_REFINE_SINGULAR: u32 = 6;
 
 /// All that makes one filled model.
 #[derive(Debug, Clone)]
@@ -28,6 +31,8 @@ pub struct Part {
     pub mesh: PathBuf,
     /// How the surface is filled with tetrahedra.
     pub tets: TetParams,
+    /// How often the tetrahedra at singularities of the frames are refined \[LST 7\].
+    pub refine_singular: u32,
     /// The solid texture: an `.nrrd` file or a folder of slices.
     pub volume: PathBuf,
     /// The texture's type.
@@ -120,6 +125,14 @@ pub enum PartError {
         /// Why.
         source: TetError,
     },
+    /// Refining at the singularities failed.
+    #[error("cannot refine the tetrahedra at the frames' singularities; leave refine_singular at 0")]
+    Refine(#[source] TopologyError),
+    /// More levels of refinement than make sense.
+    #[error(
+        "refine_singular is {0}; it must be 0 to {MAX_REFINE_SINGULAR}: each level halves the edges there"
+    )]
+    RefineLevels(u32),
     /// Tetrahedra of a file that cannot be made fit for depth.
     #[error("the tetrahedra of {} cannot take a painted depth", path.display())]
     Split {
@@ -181,9 +194,12 @@ impl Part {
     /// Checks that what is given is what the texture's type draws on \[LST 3, 4\].
     ///
     /// # Errors
-    /// [`PartError::Needs`], [`PartError::Takes`].
+    /// [`PartError::Needs`], [`PartError::Takes`], [`PartError::RefineLevels`].
     pub fn check(&self) -> Result<(), PartError> {
         let kind = self.kind;
+        if self.refine_singular > MAX_REFINE_SINGULAR {
+            return Err(PartError::RefineLevels(self.refine_singular));
+        }
         let given = [
             self.depth.is_some(),
             self.direction.is_some(),
@@ -303,11 +319,25 @@ pub fn fill_part(
     let mut report = Report::default();
     report.took("read", start);
     exec.check()?;
-    let (mesh, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
+    let (mut mesh, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
     report.join(meshed);
-    let mesh = fit_for_depth(part, mesh, &mut report, exec)?;
+    mesh = fit_for_depth(part, mesh, &mut report, exec)?;
     let start = Instant::now();
-    let fields = fields(part, &mesh, &mut report, exec)?;
+    let mut fields = self::fields(part, &mesh, &mut report, exec)?;
+    let mut singular = singularities(part, &mesh, &fields);
+    for _ in 0..part.refine_singular {
+        if singular.tets.is_empty() {
+            break;
+        }
+        exec.check()?;
+        mesh = mesh::refine(&mesh, &singular.tets).map_err(PartError::Refine)?;
+        fields = self::fields(part, &mesh, &mut report, exec)?;
+        singular = singularities(part, &mesh, &fields);
+    }
+    report.count("vertices", mesh.vertices.len());
+    report.count("singular_edges", singular.edges.len());
+    report.count("singular_tets", singular.tets.len());
+    report.count("singularities", singular.curves);
     report.took("fields", start);
     let start = Instant::now();
     let (mut solid, filled) = lap::fill(mesh, Arc::new(texture), part.kind, &fields, &part.fill, seed, exec)
@@ -316,6 +346,12 @@ pub fn fill_part(
     report.add(&filled);
     report.took("fill", start);
     Ok((solid, report))
+}
+
+/// Where the frames of a part are singular.
+fn singularities(part: &Part, mesh: &TetMesh, fields: &Fields) -> Singularities {
+    let line_field = matches!(&part.direction, Some(DirectionInput::Strokes(_, params)) if params.line_field);
+    FrameField::new(mesh, fields, part.kind.given()).singularities(mesh, line_field)
 }
 
 /// Tetrahedra of a file may have their four vertices on the surface; where depth is painted there, they are split.
@@ -354,6 +390,7 @@ fn settings(part: &Part, seed: u64) -> serde_json::Value {
         "type": part.kind,
         "seed": seed,
         "mesh": part.tets,
+        "refine_singular": part.refine_singular,
         "depth": painted(&part.depth),
         "direction": direction,
         "scale": part.scale.as_ref().map(|s| json!({ "everywhere": s.everywhere, "at": s.at })),
