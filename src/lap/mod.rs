@@ -13,6 +13,7 @@ mod optimise;
 mod params;
 mod seed;
 mod solid;
+mod unfilled;
 
 pub use file::{FORMAT_VERSION, METADATA_KEY, ModelFileError};
 pub use fill::{Fields, FillError, FillReport, fill};
@@ -20,6 +21,7 @@ pub use kind::{Inputs, TextureType, UnknownType};
 pub use measure::FillMeasures;
 pub use params::FillParams;
 pub use solid::{LappedSolid, Patch, interpolate};
+pub use unfilled::unfilled;
 
 #[cfg(test)]
 mod tests;

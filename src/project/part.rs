@@ -19,6 +19,7 @@ use crate::mesh::{
     TetReport,
 };
 use crate::project::Report;
+use crate::render::Mark;
 use crate::volume::{self, VolumeReadError};
 
 /// All that makes one filled model.
@@ -179,6 +180,18 @@ impl Part {
         }
         Ok(())
     }
+
+    /// The painted strokes, to be drawn over pictures of the fields.
+    #[must_use]
+    pub fn marks(&self) -> Vec<Mark> {
+        let depth = self.depth.iter().flat_map(|d| &d.paint.strokes);
+        let mut marks: Vec<Mark> =
+            depth.map(|s| Mark::Depth { points: s.points.clone(), depth: s.depth }).collect();
+        if let Some(DirectionInput::Strokes(strokes, _)) = &self.direction {
+            marks.extend(strokes.iter().map(|s| Mark::Direction { points: s.points.clone() }));
+        }
+        marks
+    }
 }
 
 /// Reads a surface, cleans it and fills it with tetrahedra; tetrahedra in a file are taken as they are.
@@ -295,6 +308,24 @@ pub fn fill_part(
     report.add(&filled);
     report.took("fill", start);
     Ok((solid, report))
+}
+
+/// A part as it is painted, before it is filled: reads its mesh, makes the tetrahedra and the fields. Its solid
+/// texture is not opened.
+///
+/// # Errors
+/// [`PartError`] says what stands in the way.
+pub fn painted_part(
+    part: &Part,
+    mesher: &Mesher,
+    exec: &Exec,
+) -> Result<(LappedSolid, Report), PartError> {
+    part.check()?;
+    let (mesh, mut report) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
+    let start = Instant::now();
+    let fields = fields(part, &mesh, &mut report, exec)?;
+    report.took("fields", start);
+    Ok((lap::unfilled(mesh, part.kind, &fields), report))
 }
 
 /// What made a model, for the record: every setting, but no path.
