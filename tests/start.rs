@@ -101,20 +101,31 @@ fn what_is_painted_shows_before_it_is_filled() {
     // A filled model shows the same depth.
     bench.file("p.toml", PAINTED.replace("not-painted-yet", "volume"));
     let text = String::from_utf8(bench.read("p.toml")).unwrap();
-    bench.file("p.toml", text + "[[picture]]\nname = \"d\"\n[picture.render]\nshow = \"depth\"\nwidth = 96\nheight = 96\n");
+    bench.file(
+        "p.toml",
+        text + "[[picture]]\nname = \"d\"\n[picture.render]\nshow = \"depth\"\nwidth = 96\nheight = 96\n",
+    );
     bench.ok("run p.toml");
     assert!(bench.read("out/p/d.png") == whole.to_png(), "the picture of a run is that of the command");
     let drawn = picture("out/p/p.lapis --show depth");
     assert!(drawn.difference(&whole).unwrap().mean < 1.0);
     for show in ["layers", "patches"] {
-        assert!(picture(&format!("p.toml --show {show}")) == picture(&format!("out/p/p.lapis --show {show}")));
+        assert!(
+            picture(&format!("p.toml --show {show}")) == picture(&format!("out/p/p.lapis --show {show}"))
+        );
     }
 }
 
 #[test]
 fn what_cannot_be_shown_is_said() {
     let bench = painted();
-    bench.file("grain.toml", PAINTED.replace("2b", "1a").replace("[depth]\nskin = 0\n[[depth.stroke]]\ndepth = 1\npoints = [[0, 0, -0.3], [0, 0, 0.3]]", "[scale]\neverywhere = 1"));
+    bench.file(
+        "grain.toml",
+        PAINTED.replace("2b", "1a").replace(
+            "[depth]\nskin = 0\n[[depth.stroke]]\ndepth = 1\npoints = [[0, 0, -0.3], [0, 0, 0.3]]",
+            "[scale]\neverywhere = 1",
+        ),
+    );
     for (arguments, code, words) in [
         ("grain.toml --show depth", 1, &["type 1a has no depth"][..]),
         ("p.toml --show depht", 2, &["depht", "depth"]),

@@ -21,11 +21,8 @@ pub(crate) struct Args {
 pub(crate) fn main(args: &Args) -> Result<(), Failure> {
     args.shared.run(|session| {
         let folder = &args.folder;
-        let mut output = if args.shared.force {
-            OutputFolder::check(folder)
-        } else {
-            OutputFolder::check_empty(folder)
-        }?;
+        let mut output =
+            if args.shared.force { OutputFolder::check(folder) } else { OutputFolder::check_empty(folder) }?;
         // `.` and `..` have no name of their own.
         let named = fs::canonicalize(folder).unwrap_or_else(|_| folder.clone());
         let files = sample(&sample_name(&named));

@@ -7,7 +7,7 @@ use glam::DVec3;
 use lapis::lap::{Fields, LappedSolid, TextureType, unfilled};
 use lapis::mesh::{MESH_EXTENSIONS, TetParams};
 use lapis::project::{
-    Model, Models, OutputFile, Project, Report, apart, fill_part, is_tet_file, painted_part, tet_mesh,
+    MadePart, Model, Models, OutputFile, Project, Report, apart, fill_part, is_tet_file, painted_part, tet_mesh,
 };
 use lapis::render::{Mark, PictureSize, RenderParams, Show, frame_all, frame_all_from, render_marked};
 use lapis::view::read_camera;
@@ -138,7 +138,7 @@ fn project(path: &Path, args: &Args, show: Show, session: &Session) -> Result<Su
     let pieces: Vec<Model> =
         args.piece.iter().map(|word| project.model("--piece", word)).collect::<Result<_, _>>()?;
     let seed = args.shared.seed.unwrap_or(project.seed);
-    let (whole, mut report) = if show.needs_fill() {
+    let MadePart { solid: whole, marks, mut report } = if show.needs_fill() {
         fill_part(&project.part, seed, &Session::mesher(), exec)?
     } else {
         painted_part(&project.part, &Session::mesher(), exec)?
@@ -150,7 +150,7 @@ fn project(path: &Path, args: &Args, show: Show, session: &Session) -> Result<Su
         report.join(cuts);
         models.shown(&pieces, || "--piece".to_owned())?.into_iter().cloned().collect()
     };
-    Ok(Subject { solids, marks: project.part.marks(), report })
+    Ok(Subject { solids, marks, report })
 }
 
 /// A mesh with nothing painted on it.

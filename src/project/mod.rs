@@ -19,7 +19,9 @@ mod unknown;
 pub use file::{CutEntry, ExportEntry, ExportFormat, PictureEntry};
 pub use models::Models;
 pub use output::{OutputError, OutputFile, OutputFolder};
-pub use part::{DepthInput, DirectionInput, Part, PartError, ScaleInput, fill_part, is_tet_file, painted_part, tet_mesh};
+pub use part::{
+    DepthInput, DirectionInput, MadePart, Part, PartError, ScaleInput, fill_part, is_tet_file, painted_part, tet_mesh,
+};
 pub use plan::{Along, Cut, Model, Picture, Project};
 pub use problem::{ProjectError, ProjectProblem};
 pub use report::{Output, Report};

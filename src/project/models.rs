@@ -79,11 +79,7 @@ impl<'p> Models<'p> {
     ///
     /// # Errors
     /// As [`Models::find`].
-    pub fn shown(
-        &self,
-        wanted: &[Model],
-        user: impl Fn() -> String,
-    ) -> Result<Vec<&LappedSolid>, RunError> {
+    pub fn shown(&self, wanted: &[Model], user: impl Fn() -> String) -> Result<Vec<&LappedSolid>, RunError> {
         let mut shown = Vec::new();
         for &model in wanted {
             match model {

@@ -180,18 +180,6 @@ impl Part {
         }
         Ok(())
     }
-
-    /// The painted strokes, to be drawn over pictures of the fields.
-    #[must_use]
-    pub fn marks(&self) -> Vec<Mark> {
-        let depth = self.depth.iter().flat_map(|d| &d.paint.strokes);
-        let mut marks: Vec<Mark> =
-            depth.map(|s| Mark::Depth { points: s.points.clone(), depth: s.depth }).collect();
-        if let Some(DirectionInput::Strokes(strokes, _)) = &self.direction {
-            marks.extend(strokes.iter().map(|s| Mark::Direction { points: s.points.clone() }));
-        }
-        marks
-    }
 }
 
 /// Reads a surface, cleans it and fills it with tetrahedra; tetrahedra in a file are taken as they are.
@@ -279,16 +267,22 @@ pub fn is_tet_file(path: &Path) -> bool {
     matches!(extension.as_str(), "node" | "ele")
 }
 
+/// A part that was made, filled or not.
+#[derive(Debug, Clone)]
+pub struct MadePart {
+    /// The model.
+    pub solid: LappedSolid,
+    /// The painted strokes, to be drawn over pictures of the fields.
+    pub marks: Vec<Mark>,
+    /// What was done.
+    pub report: Report,
+}
+
 /// Fills one part: reads its mesh and its texture, makes the tetrahedra and the fields, laps.
 ///
 /// # Errors
 /// [`PartError`] says what stands in the way.
-pub fn fill_part(
-    part: &Part,
-    seed: u64,
-    mesher: &Mesher,
-    exec: &Exec,
-) -> Result<(LappedSolid, Report), PartError> {
+pub fn fill_part(part: &Part, seed: u64, mesher: &Mesher, exec: &Exec) -> Result<MadePart, PartError> {
     part.check()?;
     // The quick things first, so that a wrong file name does not wait for the tetrahedra.
     let start = Instant::now();
@@ -307,7 +301,7 @@ pub fn fill_part(
     solid.settings = settings(part, seed);
     report.add(&filled);
     report.took("fill", start);
-    Ok((solid, report))
+    Ok(MadePart { solid, marks: marks(part), report })
 }
 
 /// A part as it is painted, before it is filled: reads its mesh, makes the tetrahedra and the fields. Its solid
@@ -315,17 +309,23 @@ pub fn fill_part(
 ///
 /// # Errors
 /// [`PartError`] says what stands in the way.
-pub fn painted_part(
-    part: &Part,
-    mesher: &Mesher,
-    exec: &Exec,
-) -> Result<(LappedSolid, Report), PartError> {
+pub fn painted_part(part: &Part, mesher: &Mesher, exec: &Exec) -> Result<MadePart, PartError> {
     part.check()?;
     let (mesh, mut report) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
     let start = Instant::now();
     let fields = fields(part, &mesh, &mut report, exec)?;
     report.took("fields", start);
-    Ok((lap::unfilled(mesh, part.kind, &fields), report))
+    Ok(MadePart { solid: lap::unfilled(mesh, part.kind, &fields), marks: marks(part), report })
+}
+
+fn marks(part: &Part) -> Vec<Mark> {
+    let depth = part.depth.iter().flat_map(|d| &d.paint.strokes);
+    let mut marks: Vec<Mark> =
+        depth.map(|s| Mark::Depth { points: s.points.clone(), depth: s.depth }).collect();
+    if let Some(DirectionInput::Strokes(strokes, _)) = &part.direction {
+        marks.extend(strokes.iter().map(|s| Mark::Direction { points: s.points.clone() }));
+    }
+    marks
 }
 
 /// What made a model, for the record: every setting, but no path.

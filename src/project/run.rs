@@ -19,7 +19,7 @@ use crate::export::{ExportError, glb, ply};
 use crate::files::read_whole;
 use crate::lap::LappedSolid;
 use crate::mesh::Mesher;
-use crate::render::{Placed, RenderError, frame_all, frame_all_from, render_marked};
+use crate::render::{Mark, Placed, RenderError, frame_all, frame_all_from, render_marked};
 
 /// The file that a run writes its numbers to: the only one that has timings.
 pub const REPORT_FILE: &str = "report.json";
@@ -100,15 +100,15 @@ pub fn run(project: &Project, out: &Path, options: &RunOptions, exec: &Exec) -> 
     work.check_names(&may_replace)?;
 
     let seed = options.seed.unwrap_or(project.seed);
-    let (whole, filled) = fill_part(&project.part, seed, &options.mesher, exec)?;
-    work.report = filled;
-    let (models, cuts) = Models::cut(project, whole, exec)?;
+    let made = fill_part(&project.part, seed, &options.mesher, exec)?;
+    work.report = made.report;
+    let (models, cuts) = Models::cut(project, made.solid, exec)?;
     work.report.join(cuts);
     for (model, solid) in models.iter() {
         work.export(model, solid, exec)?;
     }
     for picture in &project.pictures {
-        work.draw(picture, &models, exec)?;
+        work.draw(picture, &models, &made.marks, exec)?;
     }
     work.report.took("total", start);
     work.finish(&earlier, may_replace)
@@ -185,6 +185,7 @@ impl Work<'_> {
         &mut self,
         picture: &Picture,
         models: &Models<'_>,
+        marks: &[Mark],
         exec: &Exec,
     ) -> Result<(), RunError> {
         let start = Instant::now();
@@ -198,8 +199,7 @@ impl Work<'_> {
             (None, None) => frame_all(&placed, aspect),
         };
         let failed = |source| RunError::Picture { name: entry.name.clone(), source };
-        let marks = self.project.part.marks();
-        let drawn = render_marked(&placed, &marks, &camera, &entry.render, exec).map_err(failed)?;
+        let drawn = render_marked(&placed, marks, &camera, &entry.render, exec).map_err(failed)?;
         self.put(&format!("{}.png", entry.name), "picture", &drawn.to_png())?;
         self.report.took("render", start);
         Ok(())

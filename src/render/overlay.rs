@@ -37,10 +37,7 @@ impl Shape {
             Self::Lines { segments, half_width, .. } => {
                 let ys = || segments.iter().flat_map(|s| s.ends).map(|p| p.y);
                 let reach = half_width + 1.0;
-                (
-                    ys().fold(f64::INFINITY, f64::min) - reach,
-                    ys().fold(f64::NEG_INFINITY, f64::max) + reach,
-                )
+                (ys().fold(f64::INFINITY, f64::min) - reach, ys().fold(f64::NEG_INFINITY, f64::max) + reach)
             }
             Self::Filled { min, max, .. } => (min.y, max.y),
         }

@@ -193,13 +193,7 @@ fn pixel(
 }
 
 /// The lit colour of a triangle at a position in pixels: linear light, straight alpha.
-fn fragment(
-    scene: &Scene<'_>,
-    light: &Light,
-    subject: &Subject,
-    t: &Triangle,
-    [x, y]: [f64; 2],
-) -> [f32; 4] {
+fn fragment(scene: &Scene<'_>, light: &Light, subject: &Subject, t: &Triangle, [x, y]: [f64; 2]) -> [f32; 4] {
     let e = t.edges.map(|[a, b, c]| (a * x + b * y + c).max(0.0));
     let sum = e[0] + e[1] + e[2];
     let weights = if sum > 0.0 { e.map(|e| e / sum) } else { [1.0 / 3.0; 3] };

@@ -277,7 +277,8 @@ impl<'a> Screen<'a> {
 
     /// What the pixel at `at` sees.
     pub(super) fn seen(&self, at: glam::DVec2) -> Option<Seen<'a>> {
-        let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < f64::from(self.width) && at.y < f64::from(self.height);
+        let inside =
+            at.x >= 0.0 && at.y >= 0.0 && at.x < f64::from(self.width) && at.y < f64::from(self.height);
         if !inside {
             return None;
         }

@@ -26,7 +26,14 @@ fn front() -> Camera {
 }
 
 fn params(show: Show, side: u32) -> RenderParams {
-    RenderParams { width: side, height: side, show, shading: 0.0, background: Background::WHITE, ..Default::default() }
+    RenderParams {
+        width: side,
+        height: side,
+        show,
+        shading: 0.0,
+        background: Background::WHITE,
+        ..Default::default()
+    }
 }
 
 fn draw(solid: &LappedSolid, marks: &[Mark], show: Show, side: u32) -> Picture {
@@ -45,9 +52,7 @@ fn isolines_stand_at_the_tenths_and_keep_their_width() {
         let picture = draw(&solid, &[], Show::Depth, side);
         // Depth 0.2 lies at z = −0.6; the front side fills the picture but for a rim.
         let half_height = 100.0 * 0.7f64.to_radians().tan();
-        let row = |depth: f64| {
-            (f64::from(side) * (0.5 - 0.5 * (2.0 * depth - 1.0) / half_height)) as u32
-        };
+        let row = |depth: f64| (f64::from(side) * (0.5 - 0.5 * (2.0 * depth - 1.0) / half_height)) as u32;
         let dark = |depth: f64| {
             let near = (row(depth) - 4..=row(depth) + 4).map(|y| luminance(picture.pixel(side / 4, y)));
             let around = luminance(picture.pixel(side / 4, row(depth + 0.05)));
@@ -156,7 +161,8 @@ fn layers_and_patches_have_their_colours() {
     settings.show = Show::Patches;
     // The oldest is opaque, the two above it cover a part each.
     let (a, m) = ([0u32, 1, 2].map(maps::patch), 100.0 / 255.0);
-    let mixed: Vec<f32> = (0..3).map(|n| (a[0][n] * (1.0 - m) + a[1][n] * m) * (1.0 - m) + a[2][n] * m).collect();
+    let mixed: Vec<f32> =
+        (0..3).map(|n| (a[0][n] * (1.0 - m) + a[1][n] * m) * (1.0 - m) + a[2][n] * m).collect();
     let found = draw(&settings).pixel(60, 60);
     let wanted = encode([mixed[0], mixed[1], mixed[2], 1.0]);
     assert!((0..3).all(|n| found[n].abs_diff(wanted[n]) <= 2), "{found:?} {wanted:?}");
