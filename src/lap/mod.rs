@@ -8,6 +8,7 @@ mod fill;
 mod frames;
 mod hide;
 mod kind;
+mod mapped;
 mod measure;
 mod optimise;
 mod params;

@@ -16,7 +16,7 @@ mod run;
 mod sample;
 mod unknown;
 
-pub use file::{CutEntry, ExportEntry, ExportFormat, PictureEntry};
+pub use file::{CutEntry, ExportEntry, PictureEntry};
 pub use models::Models;
 pub use output::{OutputError, OutputFile, OutputFolder};
 pub use part::{
