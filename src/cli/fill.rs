@@ -7,7 +7,8 @@ use lapis::field::{DepthPaint, DepthParams, DepthStroke};
 use lapis::lap::{FillParams, TextureType};
 use lapis::mesh::TetParams;
 use lapis::project::{
-    DepthInput, DirectionInput, MadePart, OutputFile, Part, PartError, ScaleInput, fill_part,
+    DepthInput, DirectionInput, MAX_REFINE_SINGULAR, MadePart, OutputFile, Part, PartError, ScaleInput,
+    fill_part,
 };
 
 use super::failure::Failure;
@@ -40,6 +41,9 @@ pub(crate) struct Args {
     skin: Option<f64>,
     #[command(flatten)]
     tets: TetParams,
+    /// Refine the tetrahedra at singularities of the frames so often; each level halves their edges
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=i64::from(MAX_REFINE_SINGULAR)))]
+    refine_singular: u32,
     #[command(flatten)]
     fill: FillParams,
     #[command(flatten)]
@@ -62,6 +66,7 @@ impl Args {
         Part {
             mesh: self.mesh,
             tets: self.tets,
+            refine_singular: self.refine_singular,
             volume: self.texture,
             kind: self.kind,
             depth,

@@ -7,7 +7,8 @@ use glam::DVec3;
 use lapis::lap::{Fields, LappedSolid, TextureType, unfilled};
 use lapis::mesh::{MESH_EXTENSIONS, TetParams};
 use lapis::project::{
-    MadePart, Model, Models, OutputFile, Project, Report, apart, fill_part, is_tet_file, painted_part, tet_mesh,
+    MadePart, Model, Models, OutputFile, Project, Report, apart, fill_part, is_tet_file, painted_part,
+    tet_mesh,
 };
 use lapis::render::{Mark, PictureSize, RenderParams, Show, frame_all, frame_all_from, render_marked};
 use lapis::view::read_camera;

@@ -16,8 +16,9 @@ mod seed;
 mod solid;
 mod unfilled;
 
+pub use crate::field::Fields;
 pub use file::{FORMAT_VERSION, METADATA_KEY, ModelFileError};
-pub use fill::{Fields, FillError, FillReport, fill};
+pub use fill::{FillError, FillReport, fill};
 pub use kind::{Inputs, TextureType, UnknownType};
 pub use measure::FillMeasures;
 pub use params::FillParams;

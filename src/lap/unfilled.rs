@@ -3,10 +3,10 @@
 use glam::DVec3;
 use serde_json::json;
 
-use super::fill::Fields;
-use super::frames::TetFrames;
+use super::fill::as_coordinates;
 use super::kind::TextureType;
 use super::solid::LappedSolid;
+use crate::field::{Fields, FrameField};
 use crate::mesh::{TetMesh, index};
 
 /// The mesh with depth and frames as [`fill`](super::fill()) would find them, but without layers. It can be
@@ -17,19 +17,20 @@ use crate::mesh::{TetMesh, index};
 #[must_use]
 pub fn unfilled(mesh: TetMesh, kind: TextureType, fields: &Fields) -> LappedSolid {
     let (vertices, tets) = (mesh.vertices.len(), mesh.tets.len());
-    let depth: Vec<f64> = match &fields.depth {
-        Some(depth) if depth.len() == vertices => depth.iter().map(|&d| f64::from(d as f32)).collect(),
-        _ => vec![0.0; vertices],
-    };
-    let direction = fields.direction.as_deref().filter(|d| d.len() == vertices);
-    let everywhere = vec![1.0; vertices];
-    let scale = (!kind.depth_varying())
-        .then(|| fields.scale.as_deref().filter(|s| s.len() == vertices).unwrap_or(&everywhere));
+    let numbers = |field: &Option<Vec<f64>>| field.clone().filter(|f| f.len() == vertices);
+    let fields = as_coordinates(&Fields {
+        depth: numbers(&fields.depth),
+        along: numbers(&fields.along),
+        across: numbers(&fields.across),
+        scale: numbers(&fields.scale),
+        direction: fields.direction.clone().filter(|d| d.len() == vertices),
+    });
     let frame = if tets == 0 {
         vec![[DVec3::X, DVec3::Y, DVec3::Z]; vertices]
     } else {
-        TetFrames::new(&mesh, kind, &depth, direction, scale).at_vertices(&mesh)
+        FrameField::new(&mesh, &fields, kind.given()).at_vertices(&mesh)
     };
+    let depth = fields.depth.unwrap_or_else(|| vec![0.0; vertices]);
     LappedSolid {
         depth,
         frame,

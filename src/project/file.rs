@@ -45,6 +45,8 @@ pub(super) struct MeshTable {
     pub(super) tets: usize,
     #[serde(default)]
     pub(super) keep_surface: bool,
+    #[serde(default)]
+    pub(super) refine_singular: u32,
 }
 
 fn tets() -> usize {

@@ -20,7 +20,8 @@ pub use file::{CutEntry, ExportEntry, PictureEntry};
 pub use models::Models;
 pub use output::{OutputError, OutputFile, OutputFolder};
 pub use part::{
-    DepthInput, DirectionInput, MadePart, Part, PartError, ScaleInput, fill_part, is_tet_file, painted_part, tet_mesh,
+    DepthInput, DirectionInput, MAX_REFINE_SINGULAR, MadePart, Part, PartError, ScaleInput, fill_part,
+    is_tet_file, painted_part, tet_mesh,
 };
 pub use plan::{Along, Cut, Model, Picture, Project};
 pub use problem::{ProjectError, ProjectProblem};

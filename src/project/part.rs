@@ -10,17 +10,20 @@ use serde_json::json;
 
 use crate::exec::{Cancelled, Exec};
 use crate::field::{
-    self, DepthError, DepthPaint, DepthParams, DirectionError, DirectionParams, DirectionStroke, ScaleAt,
-    ScaleError,
+    self, DepthError, DepthPaint, DepthParams, DirectionError, DirectionParams, DirectionStroke, FrameField,
+    ScaleAt, ScaleError, Singularities,
 };
 use crate::lap::{self, Fields, FillError, FillParams, LappedSolid, TextureType};
 use crate::mesh::{
     self, CleanError, CleanReport, MeshReadError, Mesher, SplitError, TetError, TetFileError, TetMesh,
-    TetParams, TetReport,
+    TetParams, TetReport, TopologyError,
 };
 use crate::project::Report;
 use crate::render::Mark;
 use crate::volume::{self, VolumeReadError};
+
+/// The most levels of refinement at singularities.
+pub const MAX_REFINE_SINGULAR: u32 = 6;
 
 /// All that makes one filled model.
 #[derive(Debug, Clone)]
@@ -29,6 +32,8 @@ pub struct Part {
     pub mesh: PathBuf,
     /// How the surface is filled with tetrahedra.
     pub tets: TetParams,
+    /// How often the tetrahedra at singularities of the frames are refined \[LST 7\].
+    pub refine_singular: u32,
     /// The solid texture: an `.nrrd` file or a folder of slices.
     pub volume: PathBuf,
     /// The texture's type.
@@ -129,6 +134,14 @@ pub enum PartError {
         /// Why.
         source: SplitError,
     },
+    /// Refining at the singularities failed.
+    #[error("cannot refine the tetrahedra at the frames' singularities; leave refine_singular at 0")]
+    Refine(#[source] TopologyError),
+    /// More levels of refinement than make sense.
+    #[error(
+        "refine_singular is {0}; it must be 0 to {MAX_REFINE_SINGULAR}: each level halves the edges there"
+    )]
+    RefineLevels(u32),
     /// No field of numbers comes of what is painted.
     #[error("cannot make the field '{field}'")]
     Depth {
@@ -182,9 +195,12 @@ impl Part {
     /// Checks that what is given is what the texture's type draws on \[LST 3, 4\].
     ///
     /// # Errors
-    /// [`PartError::Needs`], [`PartError::Takes`].
+    /// [`PartError::Needs`], [`PartError::Takes`], [`PartError::RefineLevels`].
     pub fn check(&self) -> Result<(), PartError> {
         let kind = self.kind;
+        if self.refine_singular > MAX_REFINE_SINGULAR {
+            return Err(PartError::RefineLevels(self.refine_singular));
+        }
         let given = [
             self.depth.is_some(),
             self.direction.is_some(),
@@ -310,12 +326,7 @@ pub fn fill_part(part: &Part, seed: u64, mesher: &Mesher, exec: &Exec) -> Result
     let mut report = Report::default();
     report.took("read", start);
     exec.check()?;
-    let (mesh, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
-    report.join(meshed);
-    let mesh = fit_for_depth(part, mesh, &mut report, exec)?;
-    let start = Instant::now();
-    let fields = fields(part, &mesh, &mut report, exec)?;
-    report.took("fields", start);
+    let (mesh, fields) = painted(part, mesher, &mut report, exec)?;
     let start = Instant::now();
     let (mut solid, filled) = lap::fill(mesh, Arc::new(texture), part.kind, &fields, &part.fill, seed, exec)
         .map_err(PartError::Fill)?;
@@ -332,11 +343,41 @@ pub fn fill_part(part: &Part, seed: u64, mesher: &Mesher, exec: &Exec) -> Result
 /// [`PartError`] says what stands in the way.
 pub fn painted_part(part: &Part, mesher: &Mesher, exec: &Exec) -> Result<MadePart, PartError> {
     part.check()?;
-    let (mesh, mut report) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
+    let mut report = Report::default();
+    let (mesh, fields) = painted(part, mesher, &mut report, exec)?;
+    let mut solid = lap::unfilled(mesh, part.kind, &fields);
+    solid.settings = settings(part, 0);
+    Ok(MadePart { solid, marks: marks(part), report })
+}
+
+/// The tetrahedra of a part, refined where its frames are singular, and the fields over them.
+fn painted(
+    part: &Part,
+    mesher: &Mesher,
+    report: &mut Report,
+    exec: &Exec,
+) -> Result<(TetMesh, Fields), PartError> {
+    let (mut mesh, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
+    report.join(meshed);
+    mesh = fit_for_depth(part, mesh, report, exec)?;
     let start = Instant::now();
-    let fields = fields(part, &mesh, &mut report, exec)?;
+    let mut fields = self::fields(part, &mesh, report, exec)?;
+    let mut singular = singularities(part, &mesh, &fields);
+    for _ in 0..part.refine_singular {
+        if singular.tets.is_empty() {
+            break;
+        }
+        exec.check()?;
+        mesh = mesh::refine(&mesh, &singular.tets).map_err(PartError::Refine)?;
+        fields = self::fields(part, &mesh, report, exec)?;
+        singular = singularities(part, &mesh, &fields);
+    }
+    report.count("vertices", mesh.vertices.len());
+    report.count("singular_edges", singular.edges.len());
+    report.count("singular_tets", singular.tets.len());
+    report.count("singularities", singular.curves);
     report.took("fields", start);
-    Ok(MadePart { solid: lap::unfilled(mesh, part.kind, &fields), marks: marks(part), report })
+    Ok((mesh, fields))
 }
 
 fn marks(part: &Part) -> Vec<Mark> {
@@ -373,6 +414,12 @@ fn fit_for_depth(part: &Part, mesh: TetMesh, report: &mut Report, exec: &Exec) -
     Ok(mesh)
 }
 
+/// Where the frames of a part are singular.
+fn singularities(part: &Part, mesh: &TetMesh, fields: &Fields) -> Singularities {
+    let line_field = matches!(&part.direction, Some(DirectionInput::Strokes(_, params)) if params.line_field);
+    FrameField::new(mesh, fields, part.kind.given()).singularities(mesh, line_field)
+}
+
 /// What made a model, for the record: every setting, but no path.
 fn settings(part: &Part, seed: u64) -> serde_json::Value {
     let direction = part.direction.as_ref().map(|d| match d {
@@ -385,6 +432,7 @@ fn settings(part: &Part, seed: u64) -> serde_json::Value {
         "type": part.kind,
         "seed": seed,
         "mesh": part.tets,
+        "refine_singular": part.refine_singular,
         "depth": painted(&part.depth),
         "direction": direction,
         "scale": part.scale.as_ref().map(|s| json!({ "everywhere": s.everywhere, "at": s.at })),

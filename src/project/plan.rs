@@ -109,6 +109,7 @@ impl Project {
         let part = Part {
             mesh: folder.join(file.mesh.file),
             tets: TetParams { tets: file.mesh.tets, keep_surface: file.mesh.keep_surface },
+            refine_singular: file.mesh.refine_singular,
             volume: folder.join(file.texture.volume),
             kind: file.texture.kind,
             depth: file.depth.map(|t| check::depth("depth", t)).transpose()?,

@@ -18,7 +18,7 @@ pub(super) fn add(shapes: &mut Vec<Shape>, screen: &Screen<'_>, subject: &Subjec
     let size = f64::from(side);
     let ink = ink(params);
     match subject.show {
-        Show::Texture | Show::Patches => {}
+        Show::Texture | Show::Patches | Show::Singularities => {}
         Show::Depth => {
             let bar = Bar::new(params, size);
             // From the outside on top to the innermost.

@@ -5,6 +5,7 @@ mod legend;
 mod letters;
 pub(super) mod maps;
 mod marks;
+mod singular;
 
 use std::fmt;
 
@@ -36,6 +37,8 @@ pub enum Show {
     Layers,
     /// Each patch in a colour of its own
     Patches,
+    /// The edges where the frames are singular, in red through the faded model
+    Singularities,
 }
 
 impl Show {
@@ -48,6 +51,7 @@ impl Show {
             Self::Direction => "direction",
             Self::Layers => "layers",
             Self::Patches => "patches",
+            Self::Singularities => "singularities",
         }
     }
 
@@ -65,7 +69,12 @@ impl Show {
         let inputs = kind.inputs();
         let why = match self {
             Self::Depth if !inputs.depth => "has no depth: it looks the same at every depth",
-            Self::Direction if !inputs.direction => "has no direction: each patch is turned at random",
+            Self::Direction if !(inputs.direction || inputs.along) => {
+                "has no direction: each patch is turned at random"
+            }
+            Self::Singularities if kind == TextureType::Type0 => {
+                "has no frames that could be singular: each patch is turned at random"
+            }
             _ => return Ok(()),
         };
         Err(RenderError::Nothing { show: self, why: format!("texture type {kind} {why}") })
@@ -99,6 +108,8 @@ impl fmt::Display for Show {
 const ISOLINE: f64 = 0.1;
 /// Half the width of such a line, in pixels of a picture 1024 high; the one at ½ is bolder.
 const HALF_LINE: f64 = 0.75;
+/// The same, faded.
+const PALE_CLAY: [u8; 3] = [240, 238, 235];
 /// What a solid without texture looks like, 8-bit sRGB.
 const CLAY: [u8; 3] = [222, 217, 209];
 
@@ -150,6 +161,7 @@ impl Subject {
                 (self.isolines(t, depths, at), 0.4)
             }
             Show::Direction => (maps::opaque(CLAY), 0.9),
+            Show::Singularities => (maps::opaque(PALE_CLAY), 0.5),
             Show::Layers => {
                 let tet = surface.solid.mesh.boundary[face].tet as usize;
                 let colour = maps::layers(surface.solid.layers(tet).len(), self.most_layers);
@@ -223,6 +235,9 @@ impl Subject {
         let mut shapes = Vec::new();
         if self.show == Show::Direction {
             glyphs::add(&mut shapes, &screen, self.unit, exec)?;
+        }
+        if self.show == Show::Singularities {
+            singular::add(&mut shapes, &screen, self.unit);
         }
         exec.check()?;
         marks::add(&mut shapes, &screen, marks, self.show, self.unit);

@@ -169,6 +169,25 @@ fn layers_and_patches_have_their_colours() {
 }
 
 #[test]
+fn the_axis_of_a_radial_field_is_singular() {
+    let mut solid = testing::cube(4);
+    solid.frame = (solid.mesh.vertices.iter())
+        .map(|p| {
+            let s = DVec3::new(-p.x, -p.y, 0.0).normalize_or_zero();
+            [DVec3::Z, s, DVec3::Z.cross(s)]
+        })
+        .collect();
+    let red = |p: &[u8; 4]| p[0] > 150 && p[1] < 90 && p[2] < 90;
+    let picture = draw(&solid, &[], Show::Singularities, 200);
+    let found: Vec<usize> =
+        (0..picture.rgba.len()).filter(|&i| red(&picture.rgba[i])).map(|i| i % 200).collect();
+    assert!(found.len() > 100, "{}", found.len());
+    assert!(found.iter().all(|x| x.abs_diff(100) < 5), "only along the axis");
+    let plain = draw(&testing::cube(4), &[], Show::Singularities, 200);
+    assert!(!plain.rgba.iter().any(red));
+}
+
+#[test]
 fn threads_change_nothing() {
     let solid = painted(TextureType::Type2b, DVec3::new(1.0, 0.3, 0.4));
     let marks = [Mark::Direction { points: vec![DVec3::new(-0.5, -1.0, 0.0), DVec3::new(0.5, -1.0, 0.3)] }];
