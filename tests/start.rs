@@ -20,7 +20,7 @@ fn a_new_project_runs_at_once() {
     let text = String::from_utf8(bench.read("first/first.toml")).unwrap();
     let small = text.replace("\nfrom = [", "\nrender = { width = 64, height = 64 }\nfrom = [");
     let small = small + "\n[export.atlas]\nsize = 256\n";
-    bench.file("first/first.toml", small.replace("tets = 5000", "tets = 1500"));
+    bench.file("first/first.toml", small.replace("tets = 4000", "tets = 2500"));
     bench.ok("run first/first.toml");
     for file in ["first.lapis", "first-half.png", "first-wedge.png", "first.png", "first-half-2.glb"] {
         assert!(bench.path(&format!("out/first/{file}")).exists(), "{file}");

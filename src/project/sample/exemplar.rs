@@ -45,14 +45,13 @@ fn colour(p: [f64; 3]) -> Paint {
     mix(skin(p), paint, step(skin_until - 0.008, skin_until + 0.008, y))
 }
 
-/// Red streaks and freckles over yellow, under a pale bloom.
+/// A red blush over yellow, finely mottled, under a pale fuzz.
 fn skin(p: [f64; 3]) -> Paint {
-    let blush = noise(p, [3, 2, 6], 5) + 0.5 * noise(p, [8, 4, 18], 6);
-    let red = mix(rgb(222, 98, 58), rgb(176, 38, 46), step(-0.1, 0.9, blush));
-    let skin = mix(red, rgb(245, 176, 84), 0.85 * step(-0.15, -0.75, blush));
-    let freckle = noise(p, [30, 8, 30], 7);
-    let skin = mix(skin, rgb(250, 206, 140), 0.5 * step(0.45, 0.9, freckle));
-    mix(skin, rgb(255, 226, 206), 0.10 + 0.06 * noise(p, [20, 9, 24], 8))
+    let blush = 0.7 * noise(p, [5, 2, 8], 5) + 0.5 * noise(p, [11, 4, 17], 6) + 0.35 * noise(p, [23, 8, 29], 13);
+    let red = mix(rgb(226, 112, 66), rgb(184, 44, 50), step(-0.3, 0.8, blush));
+    let skin = mix(red, rgb(240, 166, 88), 0.75 * step(-0.1, -0.9, blush));
+    let fuzz = noise(p, [30, 8, 32], 7) + noise(p, [20, 9, 24], 8);
+    mix(skin, rgb(255, 226, 206), 0.13 + 0.10 * fuzz)
 }
 
 /// Golden flesh that turns red around the stone, along its fibres.

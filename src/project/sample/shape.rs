@@ -41,7 +41,7 @@ fn radius(d: DVec3) -> f64 {
     // The furrow runs from stem to tip on the side of x, and fades towards the tip.
     let beside = d.y.atan2(d.x) / 0.2;
     let furrow = 0.065 * (-beside * beside).exp() * across.powf(0.7) * (0.75 + 0.25 * d.z);
-    let stem = 0.27 * (-(across / 0.27).powi(2)).exp() * f64::from(u8::from(d.z > 0.0));
+    let stem = 0.19 * (-(across / 0.33).powi(2)).exp() * f64::from(u8::from(d.z > 0.0));
     let tip = 0.05 * (-(across / 0.2).powi(2)).exp() * f64::from(u8::from(d.z < 0.0));
     // Broader above the middle than below, and nothing is quite round.
     let uneven = 0.03 * d.z * across + 0.015 * d.x * d.y - 0.012 * d.y * d.z;

@@ -51,7 +51,7 @@ pub(in crate::render) fn layers(count: usize, most: usize) -> LinearRgba {
     }
     #[allow(clippy::cast_precision_loss)] // layers of a tetrahedron
     let part = (count - 1) as f64 / most.saturating_sub(1).max(1) as f64;
-    oklch(0.95 - 0.62 * part, 0.09 + 0.05 * (std::f64::consts::PI * part).sin(), 108.0 + 155.0 * part)
+    oklch(0.95 - 0.62 * part, 0.075 + 0.03 * (std::f64::consts::PI * part).sin(), 108.0 + 155.0 * part)
 }
 
 /// A patch's own colour: the same for the same number, far apart for neighbouring numbers.
