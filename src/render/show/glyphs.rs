@@ -78,7 +78,7 @@ fn glyph(screen: &Screen<'_>, at: DVec2, spacing: f64, unit: f64) -> Option<[Sha
     points.push(at);
     points.extend(forth);
     let length: f64 = points.windows(2).map(|w| w[0].distance(w[1])).sum();
-    let alpha = 0.35 + 0.65 * there.in_surface;
+    let alpha = 0.55 + 0.45 * there.in_surface;
     let mut half = HALF_WIDTH * unit;
     if length < SHORTEST * unit {
         points = vec![at];

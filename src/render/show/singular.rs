@@ -10,7 +10,7 @@ use crate::render::overlay::{Segment, Shape};
 /// Half the width of an edge, in pixels of a picture 1024 high.
 const HALF_WIDTH: f64 = 2.2;
 /// What is left of an edge's opacity one diagonal of the solid below its surface.
-const DEEPEST: f64 = 0.3;
+const DEEPEST: f64 = 0.4;
 
 /// What of the frames a solid's texture type fixes.
 fn axes(solid: &LappedSolid) -> FrameAxes {

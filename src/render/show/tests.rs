@@ -97,7 +97,7 @@ fn glyphs_run_along_the_direction_in_its_colour() {
             }
         }
         assert!(count > 800, "{direction}: {count}");
-        assert!(along > 4 * across.max(1), "{direction}: {along} {across}");
+        assert!(along > 2 * across.max(1), "{direction}: {along} {across}");
     }
 }
 
@@ -177,7 +177,7 @@ fn the_axis_of_a_radial_field_is_singular() {
             [DVec3::Z, s, DVec3::Z.cross(s)]
         })
         .collect();
-    let red = |p: &[u8; 4]| p[0] > 150 && p[1] < 90 && p[2] < 90;
+    let red = |p: &[u8; 4]| p[0] > 150 && p[0] > p[1].saturating_add(50) && p[0] > p[2].saturating_add(50);
     let picture = draw(&solid, &[], Show::Singularities, 200);
     let found: Vec<usize> =
         (0..picture.rgba.len()).filter(|&i| red(&picture.rgba[i])).map(|i| i % 200).collect();
