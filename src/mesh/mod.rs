@@ -8,8 +8,10 @@ mod exact;
 mod locate;
 mod mesher;
 mod read;
+mod refine;
 #[cfg(test)]
 pub(crate) mod shapes;
+pub(crate) mod subdivide;
 mod tet;
 mod tet_files;
 mod tetrahedralise;
@@ -25,6 +27,7 @@ pub use locate::TetLocator;
 pub(crate) use locate::closest_on_triangle;
 pub use mesher::{Mesher, MesherError, MesherLimits, tetgen_helper};
 pub use read::{MAX_MESH_ELEMENTS, MESH_EXTENSIONS, MeshFault, MeshReadError, Place, read};
+pub use refine::refine;
 pub(crate) use tet::index;
 pub use tet::{BoundaryFace, FaceOrigin, NONE, TET_FACES, TetMesh, TopologyError, gradients, signed_volume};
 pub use tet_files::{

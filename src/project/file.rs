@@ -25,6 +25,8 @@ pub(super) struct ProjectFile {
     pub(super) depth: Option<DepthTable>,
     pub(super) direction: Option<DirectionTable>,
     pub(super) scale: Option<ScaleTable>,
+    pub(super) along: Option<DepthTable>,
+    pub(super) across: Option<DepthTable>,
     #[serde(default)]
     pub(super) fill: FillParams,
     #[serde(default)]
@@ -43,6 +45,8 @@ pub(super) struct MeshTable {
     pub(super) tets: usize,
     #[serde(default)]
     pub(super) keep_surface: bool,
+    #[serde(default)]
+    pub(super) refine_singular: u32,
 }
 
 fn tets() -> usize {
@@ -58,7 +62,7 @@ pub(super) struct TextureTable {
     pub(super) kind: TextureType,
 }
 
-/// `[depth]`: where the texture's second axis runs.
+/// `[depth]`: where the texture's second axis runs; `[along]` and `[across]`: the first and the third.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct DepthTable {
