@@ -87,8 +87,9 @@ impl Stem {
             }
             let angle = dice.between(0.0, TAU);
             // Bundles wind less than the gaps between them are wide.
-            let mut wind =
-                || [dice.between(0.1, 0.5) * VOXEL, dice.between(0.0, TAU), dice.between(0.05, 0.2) * VOXEL, 0.0];
+            let mut wind = || {
+                [dice.between(0.1, 0.5) * VOXEL, dice.between(0.0, TAU), dice.between(0.05, 0.2) * VOXEL, 0.0]
+            };
             let wind = [wind(), wind()];
             cords.push(Cord {
                 centre,
