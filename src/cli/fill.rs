@@ -7,7 +7,8 @@ use lapis::field::{DepthPaint, DepthParams, DepthStroke};
 use lapis::lap::{FillParams, TextureType};
 use lapis::mesh::TetParams;
 use lapis::project::{
-    DepthInput, DirectionInput, MAX_REFINE_SINGULAR, OutputFile, Part, PartError, ScaleInput, fill_part,
+    DepthInput, DirectionInput, MAX_REFINE_SINGULAR, MadePart, OutputFile, Part, PartError, ScaleInput,
+    fill_part,
 };
 
 use super::failure::Failure;
@@ -92,7 +93,7 @@ pub(crate) fn main(args: Args) -> Result<(), Failure> {
             return Err(Failure::usage(format!("--{option} {value}: it must be {range}")));
         }
         let output = OutputFile::check(&output, shared.force)?;
-        let (solid, mut report) =
+        let MadePart { solid, mut report, .. } =
             fill_part(&part, shared.seed.unwrap_or(0), &Session::mesher(), session.exec())?;
         session.exec().check()?;
         output.write(&solid.to_bytes())?;

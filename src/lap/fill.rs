@@ -139,7 +139,7 @@ pub enum FillError {
 }
 
 /// The same fields, as texture coordinates (f32) can hold them: so they follow a given coordinate exactly.
-fn as_coordinates(fields: &Fields) -> Fields {
+pub(super) fn as_coordinates(fields: &Fields) -> Fields {
     let round = |field: &Option<Vec<f64>>| {
         field.as_ref().map(|f| f.iter().map(|&d| f64::from((d as f32).min(INSIDE))).collect())
     };

@@ -14,6 +14,7 @@ mod optimise;
 mod params;
 mod seed;
 mod solid;
+mod unfilled;
 
 pub use crate::field::Fields;
 pub use file::{FORMAT_VERSION, METADATA_KEY, ModelFileError};
@@ -22,6 +23,7 @@ pub use kind::{Inputs, TextureType, UnknownType};
 pub use measure::FillMeasures;
 pub use params::FillParams;
 pub use solid::{LappedSolid, Patch, interpolate};
+pub use unfilled::unfilled;
 
 #[cfg(test)]
 mod tests;

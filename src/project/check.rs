@@ -29,7 +29,7 @@ impl Names {
     }
 
     /// `whole`, `CUT/N` or `CUT`.
-    fn find(&self, key: &str, word: &str) -> Result<Model, ProjectProblem> {
+    pub(super) fn find(&self, key: &str, word: &str) -> Result<Model, ProjectProblem> {
         let unknown = || ProjectProblem::NoModel {
             key: key.to_owned(),
             name: word.to_owned(),

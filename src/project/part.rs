@@ -19,6 +19,7 @@ use crate::mesh::{
     TetParams, TetReport, TopologyError,
 };
 use crate::project::Report;
+use crate::render::Mark;
 use crate::volume::{self, VolumeReadError};
 
 /// The most levels of refinement at singularities.
@@ -125,14 +126,6 @@ pub enum PartError {
         /// Why.
         source: TetError,
     },
-    /// Refining at the singularities failed.
-    #[error("cannot refine the tetrahedra at the frames' singularities; leave refine_singular at 0")]
-    Refine(#[source] TopologyError),
-    /// More levels of refinement than make sense.
-    #[error(
-        "refine_singular is {0}; it must be 0 to {MAX_REFINE_SINGULAR}: each level halves the edges there"
-    )]
-    RefineLevels(u32),
     /// Tetrahedra of a file that cannot be made fit for depth.
     #[error("the tetrahedra of {} cannot take a painted depth", path.display())]
     Split {
@@ -141,6 +134,14 @@ pub enum PartError {
         /// Why.
         source: SplitError,
     },
+    /// Refining at the singularities failed.
+    #[error("cannot refine the tetrahedra at the frames' singularities; leave refine_singular at 0")]
+    Refine(#[source] TopologyError),
+    /// More levels of refinement than make sense.
+    #[error(
+        "refine_singular is {0}; it must be 0 to {MAX_REFINE_SINGULAR}: each level halves the edges there"
+    )]
+    RefineLevels(u32),
     /// No field of numbers comes of what is painted.
     #[error("cannot make the field '{field}'")]
     Depth {
@@ -302,16 +303,22 @@ pub fn is_tet_file(path: &Path) -> bool {
     mesh::TET_EXTENSIONS.contains(&extension.as_str())
 }
 
+/// A part that was made, filled or not.
+#[derive(Debug, Clone)]
+pub struct MadePart {
+    /// The model.
+    pub solid: LappedSolid,
+    /// The painted strokes, to be drawn over pictures of the fields.
+    pub marks: Vec<Mark>,
+    /// What was done.
+    pub report: Report,
+}
+
 /// Fills one part: reads its mesh and its texture, makes the tetrahedra and the fields, laps.
 ///
 /// # Errors
 /// [`PartError`] says what stands in the way.
-pub fn fill_part(
-    part: &Part,
-    seed: u64,
-    mesher: &Mesher,
-    exec: &Exec,
-) -> Result<(LappedSolid, Report), PartError> {
+pub fn fill_part(part: &Part, seed: u64, mesher: &Mesher, exec: &Exec) -> Result<MadePart, PartError> {
     part.check()?;
     // The quick things first, so that a wrong file name does not wait for the tetrahedra.
     let start = Instant::now();
@@ -319,11 +326,42 @@ pub fn fill_part(
     let mut report = Report::default();
     report.took("read", start);
     exec.check()?;
+    let (mesh, fields) = painted(part, mesher, &mut report, exec)?;
+    let start = Instant::now();
+    let (mut solid, filled) = lap::fill(mesh, Arc::new(texture), part.kind, &fields, &part.fill, seed, exec)
+        .map_err(PartError::Fill)?;
+    solid.settings = settings(part, seed);
+    report.add(&filled);
+    report.took("fill", start);
+    Ok(MadePart { solid, marks: marks(part), report })
+}
+
+/// A part as it is painted, before it is filled: reads its mesh, makes the tetrahedra and the fields. Its solid
+/// texture is not opened.
+///
+/// # Errors
+/// [`PartError`] says what stands in the way.
+pub fn painted_part(part: &Part, mesher: &Mesher, exec: &Exec) -> Result<MadePart, PartError> {
+    part.check()?;
+    let mut report = Report::default();
+    let (mesh, fields) = painted(part, mesher, &mut report, exec)?;
+    let mut solid = lap::unfilled(mesh, part.kind, &fields);
+    solid.settings = settings(part, 0);
+    Ok(MadePart { solid, marks: marks(part), report })
+}
+
+/// The tetrahedra of a part, refined where its frames are singular, and the fields over them.
+fn painted(
+    part: &Part,
+    mesher: &Mesher,
+    report: &mut Report,
+    exec: &Exec,
+) -> Result<(TetMesh, Fields), PartError> {
     let (mut mesh, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
     report.join(meshed);
-    mesh = fit_for_depth(part, mesh, &mut report, exec)?;
+    mesh = fit_for_depth(part, mesh, report, exec)?;
     let start = Instant::now();
-    let mut fields = self::fields(part, &mesh, &mut report, exec)?;
+    let mut fields = self::fields(part, &mesh, report, exec)?;
     let mut singular = singularities(part, &mesh, &fields);
     for _ in 0..part.refine_singular {
         if singular.tets.is_empty() {
@@ -331,7 +369,7 @@ pub fn fill_part(
         }
         exec.check()?;
         mesh = mesh::refine(&mesh, &singular.tets).map_err(PartError::Refine)?;
-        fields = self::fields(part, &mesh, &mut report, exec)?;
+        fields = self::fields(part, &mesh, report, exec)?;
         singular = singularities(part, &mesh, &fields);
     }
     report.count("vertices", mesh.vertices.len());
@@ -339,19 +377,17 @@ pub fn fill_part(
     report.count("singular_tets", singular.tets.len());
     report.count("singularities", singular.curves);
     report.took("fields", start);
-    let start = Instant::now();
-    let (mut solid, filled) = lap::fill(mesh, Arc::new(texture), part.kind, &fields, &part.fill, seed, exec)
-        .map_err(PartError::Fill)?;
-    solid.settings = settings(part, seed);
-    report.add(&filled);
-    report.took("fill", start);
-    Ok((solid, report))
+    Ok((mesh, fields))
 }
 
-/// Where the frames of a part are singular.
-fn singularities(part: &Part, mesh: &TetMesh, fields: &Fields) -> Singularities {
-    let line_field = matches!(&part.direction, Some(DirectionInput::Strokes(_, params)) if params.line_field);
-    FrameField::new(mesh, fields, part.kind.given()).singularities(mesh, line_field)
+fn marks(part: &Part) -> Vec<Mark> {
+    let depth = part.depth.iter().flat_map(|d| &d.paint.strokes);
+    let mut marks: Vec<Mark> =
+        depth.map(|s| Mark::Depth { points: s.points.clone(), depth: s.depth }).collect();
+    if let Some(DirectionInput::Strokes(strokes, _)) = &part.direction {
+        marks.extend(strokes.iter().map(|s| Mark::Direction { points: s.points.clone() }));
+    }
+    marks
 }
 
 /// Tetrahedra of a file may have their four vertices on the surface; where depth is painted there, they are split.
@@ -376,6 +412,12 @@ fn fit_for_depth(part: &Part, mesh: TetMesh, report: &mut Report, exec: &Exec) -
     report.count("vertices", mesh.vertices.len());
     report.took("read", start);
     Ok(mesh)
+}
+
+/// Where the frames of a part are singular.
+fn singularities(part: &Part, mesh: &TetMesh, fields: &Fields) -> Singularities {
+    let line_field = matches!(&part.direction, Some(DirectionInput::Strokes(_, params)) if params.line_field);
+    FrameField::new(mesh, fields, part.kind.given()).singularities(mesh, line_field)
 }
 
 /// What made a model, for the record: every setting, but no path.
