@@ -427,6 +427,10 @@ fn painted(part: &Part, mesher: &Mesher, report: &mut Report, exec: &Exec) -> Re
         }
         exec.check()?;
         mesh = mesh::refine(&mesh, &singular.tets).map_err(PartError::Refine)?;
+        if part.kind.inputs().depth {
+            // A halved edge of a thin part's surface may join it to itself.
+            mesh = split_for_depth(part, &mesh, exec)?.0;
+        }
         painted = painted_fields(part, &mesh, &wear, report, exec)?;
         singular = singularities(part, &mesh, &painted.fields);
     }
@@ -449,6 +453,13 @@ fn marks(painted: &PaintedFields) -> Vec<Mark> {
         .collect()
 }
 
+fn split_for_depth(part: &Part, mesh: &TetMesh, exec: &Exec) -> Result<(TetMesh, mesh::Splits), PartError> {
+    mesh::split_for_depth(mesh, exec).map_err(|e| match e {
+        SplitError::Cancelled(e) => e.into(),
+        source => PartError::Split { path: part.mesh.clone(), source },
+    })
+}
+
 /// Tetrahedra of a file may have their four vertices on the surface; where depth is painted there, they are split.
 /// Those that are made here never have.
 fn fit_for_depth(part: &Part, mesh: TetMesh, report: &mut Report, exec: &Exec) -> Result<TetMesh, PartError> {
@@ -456,10 +467,7 @@ fn fit_for_depth(part: &Part, mesh: TetMesh, report: &mut Report, exec: &Exec) -
         return Ok(mesh);
     }
     let start = Instant::now();
-    let (mesh, splits) = mesh::split_for_depth(&mesh, exec).map_err(|e| match e {
-        SplitError::Cancelled(e) => e.into(),
-        source => PartError::Split { path: part.mesh.clone(), source },
-    })?;
+    let (mesh, splits) = split_for_depth(part, &mesh, exec)?;
     report.add(&splits);
     if splits != mesh::Splits::default() {
         report.notes.push(format!(
