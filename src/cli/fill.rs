@@ -6,7 +6,10 @@ use glam::DVec3;
 use lapis::field::{DepthPaint, DepthParams, DepthStroke};
 use lapis::lap::{FillParams, TextureType};
 use lapis::mesh::TetParams;
-use lapis::project::{DepthInput, DirectionInput, OutputFile, Part, PartError, ScaleInput, fill_part};
+use lapis::project::{
+    DepthInput, DirectionInput, MAX_REFINE_SINGULAR, MadePart, OutputFile, Part, PartError, ScaleInput,
+    fill_part,
+};
 
 use super::failure::Failure;
 use super::options::{Session, Shared};
@@ -15,12 +18,13 @@ use super::values::{self, Polyline};
 /// `lapis fill MESH --texture VOLUME --type T … -o MODEL.lapis`
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The mesh: OBJ, STL, PLY, OFF, GLB, glTF, or tetrahedra (.node, .ele)
+    /// The mesh: OBJ, STL, PLY, OFF, GLB, glTF, or tetrahedra (.node, .ele, .vtu, .msh)
     mesh: PathBuf,
     /// The solid texture: an .nrrd file, or a folder of PNG slices along z
     #[arg(long, value_name = "VOLUME")]
     texture: PathBuf,
-    /// The texture's type: 0 (isotropic), 1a (along a direction), 2b (with depth, along a direction)
+    /// The texture's type: 0 (isotropic), 1a (along a direction), 1b (with depth), 2a (along a direction and
+    /// the depth's gradient), 2b (with depth, along a direction); 2c and 2d need a project file
     #[arg(long = "type", value_name = "T")]
     kind: TextureType,
     /// Types 1a, 2a, 2b: where the texture's x axis runs
@@ -41,6 +45,9 @@ pub(crate) struct Args {
     keep_look: bool,
     #[command(flatten)]
     tets: TetParams,
+    /// Refine the tetrahedra at singularities of the frames so often; each level halves their edges
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=i64::from(MAX_REFINE_SINGULAR)))]
+    refine_singular: u32,
     #[command(flatten)]
     fill: FillParams,
     #[command(flatten)]
@@ -64,11 +71,14 @@ impl Args {
             mesh: self.mesh,
             tets: self.tets,
             keep_look: self.keep_look,
+            refine_singular: self.refine_singular,
             volume: self.texture,
             kind: self.kind,
             depth,
             direction: self.direction.map(DirectionInput::Constant),
             scale: self.scale.map(|everywhere| ScaleInput { everywhere, at: Vec::new() }),
+            along: None,
+            across: None,
             fill: self.fill,
         }
     }
@@ -88,7 +98,7 @@ pub(crate) fn main(args: Args) -> Result<(), Failure> {
             return Err(Failure::usage(format!("--{option} {value}: it must be {range}")));
         }
         let output = OutputFile::check(&output, shared.force)?;
-        let (solid, mut report) =
+        let MadePart { solid, mut report, .. } =
             fill_part(&part, shared.seed.unwrap_or(0), &Session::mesher(), session.exec())?;
         session.exec().check()?;
         output.write(&solid.to_bytes())?;

@@ -4,9 +4,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::curve::{Crossing, Curve};
-use super::subdivide::{INNER, Part, Split, Subdivision, WHOLE, edges};
 use super::{CutError, Sheet};
 use crate::exec::Exec;
+use crate::mesh::subdivide::{INNER, Part, Split, Subdivision, WHOLE, edges};
 use crate::mesh::{NONE, TET_FACES, TetMesh, index};
 
 /// An edge that is crossed nearer to a vertex than this part of its length would leave slivers: the cut is

@@ -13,7 +13,7 @@
 //!    vertex. Each tetrahedron then lies on one side.
 //! 4. `pieces`: what hangs together on one side becomes a lapped solid of its own.
 //!
-//! Both 2 and 3 split edges in one order that holds for the whole mesh (`subdivide`), so that the
+//! Both 2 and 3 split edges in one order that holds for the whole mesh (`mesh::subdivide`), so that the
 //! tetrahedra on both sides of a face always divide it alike, and none can be turned inside out.
 
 mod curve;
@@ -21,7 +21,6 @@ mod divide;
 mod pieces;
 mod refine;
 mod slabs;
-mod subdivide;
 #[cfg(test)]
 mod tests;
 
@@ -31,9 +30,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::exec::{Cancelled, Exec};
 use crate::lap::LappedSolid;
+use crate::mesh::subdivide::Subdivision;
 use crate::view::{Camera, CameraError, Stroke, StrokeError};
 use curve::{Crossing, Curve};
-use subdivide::Subdivision;
 
 /// What to cut along.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,10 +4,10 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::divide::Divided;
-use super::subdivide::{INNER, Part, WHOLE, Weights};
 use super::{CutError, CutReport};
 use crate::exec::Exec;
 use crate::lap::LappedSolid;
+use crate::mesh::subdivide::{INNER, Part, WHOLE, Weights};
 use crate::mesh::{BoundaryFace, FaceOrigin, NONE, TET_FACES, TetMesh, index, signed_volume};
 
 /// The parts and vertices of a piece.

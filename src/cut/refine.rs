@@ -4,9 +4,9 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::curve::{Crossing, Curve};
-use super::subdivide::{Part, Split, Subdivision, edges};
 use crate::exec::{Cancelled, Exec};
 use crate::mesh::TET_FACES;
+use crate::mesh::subdivide::{Part, Split, Subdivision, edges};
 use crate::view::turn;
 
 /// Rounds of bisection at most. Each halves what is too long, so a few suffice for any drawn stroke.

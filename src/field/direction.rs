@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::depth::DepthField;
 use super::eigen::{eigen, outer};
-use super::frame::perpendicular;
+use super::frame::turned;
 use super::gradient::vertex_slopes;
 use super::graph::Graph;
 use super::laplacian::{Pin, SmoothError, Smoother, weights};
@@ -161,7 +161,7 @@ pub fn direction_field(
     };
     let field: Vec<Option<DVec3>> =
         smooth.into_iter().enumerate().map(|(v, r)| r.and_then(|r| across(v, r))).collect();
-    Ok(graph.fill_gaps(&field, across, |v| axes[v].map_or(DVec3::X, perpendicular)))
+    Ok(graph.fill_gaps(&field, across, |v| axes[v].map_or(DVec3::X, |s| turned(DVec3::Y, s, DVec3::X))))
 }
 
 fn check(

@@ -7,26 +7,25 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::clump::{Fit, Ground, Pasted, Seed, Workspace, paste};
-use super::coverage::{MaskTable, POINTS};
-use super::frames::TetFrames;
+use super::coverage::{MaskTable, POINTS, sample_lattice};
 use super::hide::{Layer, visible};
 use super::kind::TextureType;
+use super::mapped;
 use super::measure::{FillMeasures, sharpness};
+use super::optimise::Given;
 use super::params::FillParams;
-use super::seed::{spots, turn};
+use super::seed::{Apart, spots, turn};
 use super::solid::{LappedSolid, Patch};
 use crate::exec::{Cancelled, Exec};
+use crate::field::{Fields, FrameField};
 use crate::mesh::TetMesh;
 use crate::volume::{AlphaMask, SolidTexture};
 
 /// Why a mesh cannot be filled.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FillError {
-    /// 2c and 2d.
-    #[error("texture type {0} cannot be filled yet: the types that can are 0, 1a, 1b, 2a and 2b")]
-    NotYet(TextureType),
     /// An input that the type draws on is missing.
-    #[error("texture type {kind} needs {input}, and there is none")]
+    #[error("texture type {kind} needs the field '{input}', and there is none")]
     Missing {
         /// The texture type.
         kind: TextureType,
@@ -34,7 +33,7 @@ pub enum FillError {
         input: &'static str,
     },
     /// An input that the type does not draw on.
-    #[error("texture type {kind} does not use {input}: leave it out, or choose a type that does")]
+    #[error("texture type {kind} does not use the field '{input}': leave it out, or choose a type that does")]
     Unused {
         /// The texture type.
         kind: TextureType,
@@ -100,6 +99,37 @@ pub enum FillError {
         /// Enough tetrahedra.
         tets: u64,
     },
+    /// Two fields that are to be texture coordinates rise along one line.
+    #[error(
+        "over {:.0} % of the model, such as near {place}, the fields 'along' and 'depth' do not cross: one of them is \
+         flat there, or both rise along one line; paint them so that they rise in different directions",
+        share * 100.0
+    )]
+    NoCrossing {
+        /// The part of the model's volume.
+        share: f64,
+        /// A place in the middle of it.
+        place: DVec3,
+    },
+    /// Three fields that are to be texture coordinates make no mapping.
+    #[error(
+        "over {:.0} % of the model, such as near {place}, the fields 'along', 'depth' and 'across' turn the texture \
+         {}",
+        share * 100.0,
+        if *mirrored {
+            "into its mirror image: exchange 0 and 1 in what is painted for one of them"
+        } else {
+            "inside out or flat: paint them so that they rise in three different directions everywhere"
+        }
+    )]
+    Folded {
+        /// The part of the model's volume.
+        share: f64,
+        /// A place in the middle of it.
+        place: DVec3,
+        /// Whether the mapping is good but for its sense.
+        mirrored: bool,
+    },
     /// The mesh has no tetrahedra.
     #[error("the mesh has no tetrahedra")]
     Empty,
@@ -108,16 +138,27 @@ pub enum FillError {
     Cancelled(#[from] Cancelled),
 }
 
-/// The fields that steer a fill: values at the vertices of the mesh. Each texture type draws on its own
-/// ([`TextureType::inputs`]); the others must be `None`.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Fields {
-    /// Depth, 0 outside to 1 innermost.
-    pub depth: Option<Vec<f64>>,
-    /// Unit vectors along texture x.
-    pub direction: Option<Vec<DVec3>>,
-    /// World length of one unit of texture.
-    pub scale: Option<Vec<f64>>,
+/// The same fields, as texture coordinates (f32) can hold them: so they follow a given coordinate exactly.
+pub(super) fn as_coordinates(fields: &Fields) -> Fields {
+    let round = |field: &Option<Vec<f64>>| {
+        field.as_ref().map(|f| f.iter().map(|&d| f64::from((d as f32).min(INSIDE))).collect())
+    };
+    Fields {
+        depth: round(&fields.depth),
+        along: round(&fields.along),
+        across: round(&fields.across),
+        ..fields.clone()
+    }
+}
+
+/// The texture coordinates that are given for a texture type.
+fn given(fields: &Fields, kind: TextureType) -> Given<'_> {
+    let [x, y, z] = kind.given();
+    [
+        fields.along.as_deref().filter(|_| x),
+        fields.depth.as_deref().filter(|_| y),
+        fields.across.as_deref().filter(|_| z),
+    ]
 }
 
 /// What a fill did.
@@ -142,6 +183,8 @@ pub struct FillReport {
 const BATCH: usize = 16;
 /// Patches for each unit of texture volume, seen in practice; for the estimate only.
 const PATCHES_PER_UNIT: f64 = 12.0;
+/// The greatest coordinate that is given: at 1 exactly, the rounding of an interpolation would leave the mask.
+const INSIDE: f32 = 1.0 - 1.0 / (1 << 20) as f32;
 /// The longest edge, in units of texture, for which the lattice tells coverage.
 const COARSEST: f64 = 4.0;
 
@@ -160,36 +203,40 @@ pub fn fill(
 ) -> Result<(LappedSolid, FillReport), FillError> {
     exec.install(|| {
         check(&mesh, kind, fields, params)?;
-        // Texture coordinates are f32: a depth that f32 can hold is followed exactly.
-        let depth: Vec<f64> = match &fields.depth {
-            Some(depth) => depth.iter().map(|&d| f64::from(d as f32)).collect(),
-            None => vec![0.0; mesh.vertices.len()],
-        };
-        let frames =
-            TetFrames::new(&mesh, kind, &depth, fields.direction.as_deref(), fields.scale.as_deref());
-        check_scale(&mesh, &frames, params)?;
-        let masks: Vec<AlphaMask> = if kind.depth_varying() {
-            AlphaMask::depth_varying(&params.mask, seed).into()
-        } else {
-            vec![AlphaMask::splotch(&params.mask, seed)]
+        let fields = as_coordinates(fields);
+        mapped::check(&mesh, given(&fields, kind))?;
+        let frames = FrameField::new(&mesh, &fields, kind.given());
+        let masks: Vec<AlphaMask> = match kind.given() {
+            [true, _, true] => AlphaMask::new([1; 3], vec![255]).into_iter().collect(),
+            [true, _, false] => vec![AlphaMask::slab(&params.mask, seed)],
+            [false, true, _] => AlphaMask::depth_varying(&params.mask, seed).into(),
+            [false, false, _] => vec![AlphaMask::splotch(&params.mask, seed)],
         };
         let tables: Vec<MaskTable> = masks.iter().map(MaskTable::new).collect();
         let ground = Ground {
             mesh: &mesh,
+            kind,
             frames: &frames,
-            depth: kind.depth_varying().then_some(&depth[..]),
+            given: given(&fields, kind),
             masks: &masks,
             tables: &tables,
             params,
         };
-        let mut lapped = lap(&ground, seed, exec)?;
+        let mut lapped = match mapped::one_patch(&ground) {
+            Some(patch) => Lapped::whole(patch, &masks),
+            None => {
+                check_scale(&mesh, &frames, params)?;
+                lap(&ground, seed, exec)?
+            }
+        };
         let own: Vec<MaskTable> = lapped.own.par_iter().map(MaskTable::new).collect();
         let masks: Vec<AlphaMask> = masks.into_iter().chain(std::mem::take(&mut lapped.own)).collect();
         let tables: Vec<MaskTable> = tables.into_iter().chain(own).collect();
         let stacks = stack(&mesh, &masks, &tables, &lapped.pasted, exec)?;
         let frame = frames.at_vertices(&mesh);
+        let depth = fields.depth.clone().unwrap_or_else(|| vec![0.0; mesh.vertices.len()]);
         let (solid, hidden) = assemble(mesh, depth, frame, masks, texture, &lapped.pasted, &stacks);
-        let mut measures = FillMeasures::new(&solid, &lapped.fit, lapped.uncovered, kind.depth_varying());
+        let mut measures = FillMeasures::new(&solid, &lapped.fit, lapped.uncovered, given(&fields, kind));
         measures.sharpness = sharpness(&solid, seed, exec)?;
         let report = FillReport {
             tetrahedra: solid.mesh.tets.len(),
@@ -204,22 +251,20 @@ pub fn fill(
 }
 
 fn check(mesh: &TetMesh, kind: TextureType, fields: &Fields, params: &FillParams) -> Result<(), FillError> {
-    if matches!(kind, TextureType::Type2c | TextureType::Type2d) {
-        return Err(FillError::NotYet(kind));
-    }
     if mesh.tets.is_empty() {
         return Err(FillError::Empty);
     }
     if let Some((key, value, range)) = params.fault() {
         return Err(FillError::Setting { key, value, range });
     }
-    let needs = kind.inputs();
-    let given = [
-        ("a depth field", needs.depth, fields.depth.is_some()),
-        ("a direction", needs.direction, fields.direction.is_some()),
-        ("a scale", needs.scale, fields.scale.is_some()),
+    let there = [
+        fields.depth.is_some(),
+        fields.direction.is_some(),
+        fields.scale.is_some(),
+        fields.along.is_some(),
+        fields.across.is_some(),
     ];
-    for (input, needed, there) in given {
+    for ((input, needed), there) in kind.inputs().named().into_iter().zip(there) {
         if needed && !there {
             return Err(FillError::Missing { kind, input });
         }
@@ -231,10 +276,13 @@ fn check(mesh: &TetMesh, kind: TextureType, fields: &Fields, params: &FillParams
     let length = |input, found: usize| {
         if found == count { Ok(()) } else { Err(FillError::Length { input, found, vertices: count }) }
     };
-    if let Some(depth) = &fields.depth {
-        length("depth field", depth.len())?;
-        if let Some(vertex) = depth.iter().position(|d| !(0.0..=1.0).contains(d)) {
-            return Err(FillError::Field { input: "depth field", vertex, found: depth[vertex].to_string() });
+    for (input, field) in
+        [("depth field", &fields.depth), ("field along", &fields.along), ("field across", &fields.across)]
+    {
+        let Some(field) = field else { continue };
+        length(input, field.len())?;
+        if let Some(vertex) = field.iter().position(|d| !(0.0..=1.0).contains(d)) {
+            return Err(FillError::Field { input, vertex, found: field[vertex].to_string() });
         }
     }
     if let Some(direction) = &fields.direction {
@@ -253,12 +301,15 @@ fn check(mesh: &TetMesh, kind: TextureType, fields: &Fields, params: &FillParams
     Ok(())
 }
 
-fn check_scale(mesh: &TetMesh, frames: &TetFrames, params: &FillParams) -> Result<(), FillError> {
-    let units: f64 = (0..mesh.tets.len()).map(|t| mesh.tet_volume(t) / frames.length[t].powi(3)).sum();
+fn check_scale(mesh: &TetMesh, frames: &FrameField, params: &FillParams) -> Result<(), FillError> {
+    let units: f64 =
+        (0..mesh.tets.len()).map(|t| mesh.tet_volume(t) / frames.lengths(t).element_product()).sum();
     let estimate = units * PATCHES_PER_UNIT;
     if estimate > params.max_patches as f64 {
-        let mean = (mesh.volume() / units).cbrt();
-        let remedy = mean * (estimate / params.max_patches as f64).cbrt() * 1.01;
+        let free = frames.free_axes() as f64;
+        let mean =
+            (0..mesh.tets.len()).map(|t| mesh.tet_volume(t) * frames.length[t]).sum::<f64>() / mesh.volume();
+        let remedy = mean * (estimate / params.max_patches as f64).powf(1.0 / free) * 1.01;
         let estimate = estimate.min(1e18) as u64;
         return Err(FillError::TooManyPatches { estimate, limit: params.max_patches, remedy });
     }
@@ -291,6 +342,16 @@ struct Lapped {
     uncovered: usize,
 }
 
+impl Lapped {
+    /// One patch that fills the whole model.
+    fn whole(mut patch: Pasted, masks: &[AlphaMask]) -> Self {
+        let fit = std::mem::take(&mut patch.fit);
+        let opaque = patch.uvw.iter().map(|uvw| sample_lattice(&masks[0], uvw));
+        let uncovered = opaque.map(|a| a.iter().filter(|&&a| a < 255).count()).sum();
+        Self { pasted: vec![patch], own: Vec::new(), fit: vec![fit], rounds: 1, uncovered }
+    }
+}
+
 /// Pastes patches until every lattice point is covered.
 fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError> {
     let mesh = ground.mesh;
@@ -299,10 +360,15 @@ fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError>
     let mut open: Vec<u32> = (0..count as u32).collect();
     let spares: Mutex<Vec<Workspace>> = Mutex::new(Vec::new());
     let stage = exec.stage("fill", count as u64);
+    let apart = Apart {
+        length: &ground.frames.length,
+        spacing: ground.params.spacing,
+        // A patch whose x and y are both given takes the whole cross-section.
+        along: ground.given[0].is_some().then(|| ground.frames.thirds()),
+    };
     let mut lapped = Lapped { pasted: Vec::new(), own: Vec::new(), fit: Vec::new(), rounds: 0, uncovered: 0 };
     while !open.is_empty() {
-        let length = &ground.frames.length;
-        let spots = spots(mesh, &coverage, &open, length, ground.params.spacing, seed, lapped.rounds as u64);
+        let spots = spots(mesh, &coverage, &open, &apart, seed, lapped.rounds as u64);
         for batch in spots.chunks(BATCH) {
             exec.check()?;
             // Spots that an earlier batch of the round has covered need no patch.
@@ -365,7 +431,7 @@ fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError>
 }
 
 fn mask_for(ground: &Ground<'_>, tet: u32, point: u8) -> u32 {
-    let Some(depth) = ground.depth else { return 0 };
+    let (None, Some(depth)) = (ground.given[0], ground.given[1]) else { return 0 };
     let at = super::coverage::lattice_point(point as usize);
     let d: f64 = (0..4).map(|k| f64::from(at[k]) * depth[ground.mesh.tets[tet as usize][k] as usize]).sum();
     AlphaMask::for_depth(d) as u32

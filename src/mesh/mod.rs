@@ -8,8 +8,10 @@ mod exact;
 mod locate;
 mod mesher;
 mod read;
+mod refine;
 #[cfg(test)]
 pub(crate) mod shapes;
+pub(crate) mod subdivide;
 mod tet;
 mod tet_files;
 mod tetrahedralise;
@@ -26,12 +28,17 @@ pub use locate::TetLocator;
 pub(crate) use locate::closest_on_triangle;
 pub use mesher::{Mesher, MesherError, MesherLimits, tetgen_helper};
 pub use read::{MAX_MESH_ELEMENTS, MESH_EXTENSIONS, MeshFault, MeshFile, MeshReadError, Place, read};
+pub use refine::refine;
 pub(crate) use tet::index;
 pub use tet::{BoundaryFace, FaceOrigin, NONE, TET_FACES, TetMesh, TopologyError, gradients, signed_volume};
-pub use tet_files::{TetFileError, read_tets, write_tets};
+pub use tet_files::{
+    TET_EXTENSIONS, TetFileError, VtuField, VtuValues, read_tets, tet_file_names, write_tets, write_vtu,
+};
 pub use tetrahedralise::{
-    MAX_TETS, Simplified, TetError, TetParams, TetReport, tetrahedralise, tetrahedralise_within,
+    MAX_TETS, Simplified, SplitError, Splits, TetError, TetParams, TetReport, split_for_depth,
+    tetrahedralise, tetrahedralise_within,
 };
 pub use tri::TriMesh;
 pub use wear::{Material, Region, RegionError, RegionKind, Wear, WornPicture};
+pub(crate) use write::Shortest;
 pub use write::write_obj;

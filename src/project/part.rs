@@ -10,26 +10,32 @@ use serde_json::json;
 
 use crate::exec::{Cancelled, Exec};
 use crate::field::{
-    self, DepthError, DepthPaint, DepthParams, DirectionError, DirectionParams, DirectionStroke, ScaleAt,
-    ScaleError,
+    self, DepthError, DepthPaint, DepthParams, DirectionError, DirectionParams, DirectionStroke, FrameField,
+    ScaleAt, ScaleError, Singularities,
 };
 use crate::lap::{self, Fields, FillError, FillParams, LappedSolid, Look, LookError, TextureType};
 use crate::mesh::{
-    self, CleanError, CleanReport, MeshReadError, Mesher, TetError, TetFileError, TetMesh, TetParams,
-    TetReport, TriMesh, Wear,
+    self, CleanError, CleanReport, MeshReadError, Mesher, SplitError, TetError, TetFileError, TetMesh,
+    TetParams, TetReport, TopologyError, TriMesh, Wear,
 };
 use crate::project::Report;
+use crate::render::Mark;
 use crate::volume::{self, VolumeReadError};
+
+/// The most levels of refinement at singularities.
+pub const MAX_REFINE_SINGULAR: u32 = 6;
 
 /// All that makes one filled model.
 #[derive(Debug, Clone)]
 pub struct Part {
-    /// The mesh file: a surface, or tetrahedra (`.node`, `.ele`), which are taken as they are.
+    /// The mesh file: a surface, or tetrahedra (`.node`, `.ele`, `.vtu`, `.msh`), which are taken as they are.
     pub mesh: PathBuf,
     /// How the surface is filled with tetrahedra.
     pub tets: TetParams,
     /// Whether the outside keeps the mesh's own look, so that only cuts show the filling.
     pub keep_look: bool,
+    /// How often the tetrahedra at singularities of the frames are refined \[LST 7\].
+    pub refine_singular: u32,
     /// The solid texture: an `.nrrd` file or a folder of slices.
     pub volume: PathBuf,
     /// The texture's type.
@@ -40,11 +46,15 @@ pub struct Part {
     pub direction: Option<DirectionInput>,
     /// What sets the scale.
     pub scale: Option<ScaleInput>,
+    /// What paints the field that is texture x, where the type has one.
+    pub along: Option<DepthInput>,
+    /// What paints the field that is texture z, where the type has one.
+    pub across: Option<DepthInput>,
     /// How it is lapped.
     pub fill: FillParams,
 }
 
-/// What paints the depth field: depth runs along the texture's second axis.
+/// What paints a field of numbers from 0 to 1: the depth (texture y), or `along` or `across` (texture x and z).
 #[derive(Debug, Clone)]
 pub struct DepthInput {
     /// Painted surfaces and strokes.
@@ -75,12 +85,12 @@ pub struct ScaleInput {
 #[derive(Debug, thiserror::Error)]
 pub enum PartError {
     /// The texture type needs something that is not given.
-    #[error("texture type {kind} needs {input}: {}", how_to_give(input))]
+    #[error("texture type {kind} needs {}: {}", inputs.join(" and "), how_to_give(inputs))]
     Needs {
         /// The type.
         kind: TextureType,
-        /// What is missing: `depth`, `direction` or `scale`.
-        input: &'static str,
+        /// What is missing: `depth`, `direction`, `scale`, `along`, `across`.
+        inputs: Vec<&'static str>,
     },
     /// Something is given that the texture type does not draw on.
     #[error("texture type {kind} takes no {input}: {}", why_not(*kind, input))]
@@ -90,9 +100,6 @@ pub enum PartError {
         /// What is too much.
         input: &'static str,
     },
-    /// A texture type that cannot be filled yet.
-    #[error("texture type {0} cannot be filled yet; 0, 1a, 1b, 2a and 2b can")]
-    Unsupported(TextureType),
     /// A constant direction without length.
     #[error("the constant direction is zero or not finite")]
     NoDirection,
@@ -121,9 +128,30 @@ pub enum PartError {
         /// Why.
         source: TetError,
     },
-    /// No depth field comes of what is painted.
-    #[error("cannot make the depth field")]
-    Depth(#[source] DepthError),
+    /// Tetrahedra of a file that cannot be made fit for depth.
+    #[error("the tetrahedra of {} cannot take a painted depth", path.display())]
+    Split {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: SplitError,
+    },
+    /// Refining at the singularities failed.
+    #[error("cannot refine the tetrahedra at the frames' singularities; leave refine_singular at 0")]
+    Refine(#[source] TopologyError),
+    /// More levels of refinement than make sense.
+    #[error(
+        "refine_singular is {0}; it must be 0 to {MAX_REFINE_SINGULAR}: each level halves the edges there"
+    )]
+    RefineLevels(u32),
+    /// No field of numbers comes of what is painted.
+    #[error("cannot make the field '{field}'")]
+    Depth {
+        /// Which one: `depth`, `along` or `across`.
+        field: &'static str,
+        /// Why.
+        source: DepthError,
+    },
     /// No direction field comes of the strokes.
     #[error("cannot make the direction field")]
     Direction(#[source] DirectionError),
@@ -152,21 +180,29 @@ pub enum PartError {
     Cancelled(#[from] Cancelled),
 }
 
-fn how_to_give(input: &str) -> &'static str {
-    match input {
-        "depth" => "paint it ([depth] in a project file; --core on the command line)",
-        "direction" => "set it ([direction] in a project file; --direction on the command line)",
-        _ => {
-            "the world length of one unit of texture ([scale] in a project file; --scale on the command line)"
+fn how_to_give(inputs: &[&str]) -> String {
+    let how = inputs.iter().map(|input| match *input {
+        "depth" => "paint depth ([depth] in a project file; --core on the command line)",
+        "direction" => "set the direction ([direction] in a project file; --direction on the command line)",
+        "scale" => {
+            "set the scale, the world length of one unit of texture ([scale] in a project file; --scale on the \
+             command line)"
         }
-    }
+        "along" => "paint along, where the texture's x runs ([along] in a project file only)",
+        _ => "paint across, where the texture's z runs ([across] in a project file only)",
+    });
+    how.collect::<Vec<_>>().join("; ")
 }
 
 fn why_not(kind: TextureType, input: &str) -> &'static str {
     match input {
+        "scale" if kind == TextureType::Type2d => "its fields say where each point of the texture goes",
         "scale" => "its scale follows from the depth",
         "direction" if kind == TextureType::Type0 => "it looks the same from every side",
-        "direction" => "it turns freely about the depth's gradient",
+        "direction" if kind == TextureType::Type1b => "it turns freely about the depth's gradient",
+        "direction" => "its directions follow from the fields",
+        "along" => "its texture's x is no field",
+        "across" => "its texture's z is no field",
         _ => "it does not vary with depth",
     }
 }
@@ -175,25 +211,26 @@ impl Part {
     /// Checks that what is given is what the texture's type draws on \[LST 3, 4\].
     ///
     /// # Errors
-    /// [`PartError::Unsupported`], [`PartError::Needs`], [`PartError::Takes`].
+    /// [`PartError::Needs`], [`PartError::Takes`], [`PartError::RefineLevels`].
     pub fn check(&self) -> Result<(), PartError> {
         let kind = self.kind;
-        if matches!(kind, TextureType::Type2c | TextureType::Type2d) {
-            return Err(PartError::Unsupported(kind));
+        if self.refine_singular > MAX_REFINE_SINGULAR {
+            return Err(PartError::RefineLevels(self.refine_singular));
         }
-        let needs = kind.inputs();
-        for (input, needed, given) in [
-            ("depth", needs.depth, self.depth.is_some()),
-            ("direction", needs.direction, self.direction.is_some()),
-            ("scale", needs.scale, self.scale.is_some()),
-        ] {
-            match (needed, given) {
-                (true, false) => return Err(PartError::Needs { kind, input }),
-                (false, true) => return Err(PartError::Takes { kind, input }),
-                _ => {}
-            }
+        let given = [
+            self.depth.is_some(),
+            self.direction.is_some(),
+            self.scale.is_some(),
+            self.along.is_some(),
+            self.across.is_some(),
+        ];
+        let all = kind.inputs().named().into_iter().zip(given);
+        if let Some(((input, _), _)) = all.clone().find(|((_, needed), given)| *given && !needed) {
+            return Err(PartError::Takes { kind, input });
         }
-        Ok(())
+        let inputs: Vec<&'static str> =
+            all.filter(|((_, needed), given)| *needed && !given).map(|((input, _), _)| input).collect();
+        if inputs.is_empty() { Ok(()) } else { Err(PartError::Needs { kind, inputs }) }
     }
 }
 
@@ -294,19 +331,25 @@ fn making_notes(made: &TetReport) -> Vec<String> {
 #[must_use]
 pub fn is_tet_file(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-    matches!(extension.as_str(), "node" | "ele")
+    mesh::TET_EXTENSIONS.contains(&extension.as_str())
+}
+
+/// A part that was made, filled or not.
+#[derive(Debug, Clone)]
+pub struct MadePart {
+    /// The model.
+    pub solid: LappedSolid,
+    /// The painted strokes, to be drawn over pictures of the fields.
+    pub marks: Vec<Mark>,
+    /// What was done.
+    pub report: Report,
 }
 
 /// Fills one part: reads its mesh and its texture, makes the tetrahedra and the fields, laps.
 ///
 /// # Errors
 /// [`PartError`] says what stands in the way.
-pub fn fill_part(
-    part: &Part,
-    seed: u64,
-    mesher: &Mesher,
-    exec: &Exec,
-) -> Result<(LappedSolid, Report), PartError> {
+pub fn fill_part(part: &Part, seed: u64, mesher: &Mesher, exec: &Exec) -> Result<MadePart, PartError> {
     part.check()?;
     // The quick things first, so that a wrong file name does not wait for the tetrahedra.
     let start = Instant::now();
@@ -314,12 +357,8 @@ pub fn fill_part(
     let mut report = Report::default();
     report.took("read", start);
     exec.check()?;
-    let (PartMesh { mesh, surface, wear }, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
-    report.join(meshed);
+    let (PartMesh { mesh, surface, wear }, fields) = painted(part, mesher, &mut report, exec)?;
     let look = if part.keep_look { Some(look(part, surface, &wear, &report.notes)?) } else { None };
-    let start = Instant::now();
-    let fields = fields(part, &mesh, &mut report, exec)?;
-    report.took("fields", start);
     let start = Instant::now();
     let (mut solid, filled) = lap::fill(mesh, Arc::new(texture), part.kind, &fields, &part.fill, seed, exec)
         .map_err(PartError::Fill)?;
@@ -327,7 +366,91 @@ pub fn fill_part(
     solid.settings = settings(part, seed);
     report.add(&filled);
     report.took("fill", start);
-    Ok((solid, report))
+    Ok(MadePart { solid, marks: marks(part), report })
+}
+
+/// A part as it is painted, before it is filled: reads its mesh, makes the tetrahedra and the fields. Its solid
+/// texture is not opened.
+///
+/// # Errors
+/// [`PartError`] says what stands in the way.
+pub fn painted_part(part: &Part, mesher: &Mesher, exec: &Exec) -> Result<MadePart, PartError> {
+    part.check()?;
+    let mut report = Report::default();
+    let (PartMesh { mesh, .. }, fields) = painted(part, mesher, &mut report, exec)?;
+    let mut solid = lap::unfilled(mesh, part.kind, &fields);
+    solid.settings = settings(part, 0);
+    Ok(MadePart { solid, marks: marks(part), report })
+}
+
+/// The tetrahedra of a part, refined where its frames are singular, and the fields over them.
+fn painted(
+    part: &Part,
+    mesher: &Mesher,
+    report: &mut Report,
+    exec: &Exec,
+) -> Result<(PartMesh, Fields), PartError> {
+    let (PartMesh { mut mesh, surface, wear }, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
+    report.join(meshed);
+    mesh = fit_for_depth(part, mesh, report, exec)?;
+    let start = Instant::now();
+    let mut fields = self::fields(part, &mesh, report, exec)?;
+    let mut singular = singularities(part, &mesh, &fields);
+    for _ in 0..part.refine_singular {
+        if singular.tets.is_empty() {
+            break;
+        }
+        exec.check()?;
+        mesh = mesh::refine(&mesh, &singular.tets).map_err(PartError::Refine)?;
+        fields = self::fields(part, &mesh, report, exec)?;
+        singular = singularities(part, &mesh, &fields);
+    }
+    report.count("vertices", mesh.vertices.len());
+    report.count("singular_edges", singular.edges.len());
+    report.count("singular_tets", singular.tets.len());
+    report.count("singularities", singular.curves);
+    report.took("fields", start);
+    Ok((PartMesh { mesh, surface, wear }, fields))
+}
+
+fn marks(part: &Part) -> Vec<Mark> {
+    let depth = part.depth.iter().flat_map(|d| &d.paint.strokes);
+    let mut marks: Vec<Mark> =
+        depth.map(|s| Mark::Depth { points: s.points.clone(), depth: s.depth }).collect();
+    if let Some(DirectionInput::Strokes(strokes, _)) = &part.direction {
+        marks.extend(strokes.iter().map(|s| Mark::Direction { points: s.points.clone() }));
+    }
+    marks
+}
+
+/// Tetrahedra of a file may have their four vertices on the surface; where depth is painted there, they are split.
+/// Those that are made here never have.
+fn fit_for_depth(part: &Part, mesh: TetMesh, report: &mut Report, exec: &Exec) -> Result<TetMesh, PartError> {
+    if !is_tet_file(&part.mesh) || !part.kind.inputs().depth {
+        return Ok(mesh);
+    }
+    let start = Instant::now();
+    let (mesh, splits) = mesh::split_for_depth(&mesh, exec).map_err(|e| match e {
+        SplitError::Cancelled(e) => e.into(),
+        source => PartError::Split { path: part.mesh.clone(), source },
+    })?;
+    report.add(&splits);
+    if splits != mesh::Splits::default() {
+        report.notes.push(format!(
+            "{} inner edges and {} tetrahedra that join the surface to itself were split, so that depth is flat in none",
+            splits.edges, splits.tets
+        ));
+    }
+    report.count("tetrahedra", mesh.tets.len());
+    report.count("vertices", mesh.vertices.len());
+    report.took("read", start);
+    Ok(mesh)
+}
+
+/// Where the frames of a part are singular.
+fn singularities(part: &Part, mesh: &TetMesh, fields: &Fields) -> Singularities {
+    let line_field = matches!(&part.direction, Some(DirectionInput::Strokes(_, params)) if params.line_field);
+    FrameField::new(mesh, fields, part.kind.given()).singularities(mesh, line_field)
 }
 
 /// The look that the outside keeps.
@@ -345,28 +468,38 @@ fn settings(part: &Part, seed: u64) -> serde_json::Value {
         DirectionInput::Constant(v) => json!({ "constant": v }),
         DirectionInput::Strokes(strokes, params) => json!({ "stroke": strokes, "smooth": params }),
     });
-    json!({
+    let painted =
+        |input: &Option<DepthInput>| input.as_ref().map(|d| json!({ "paint": d.paint, "fit": d.params }));
+    let mut all = json!({
         "type": part.kind,
         "seed": seed,
         "mesh": part.tets,
         "keep_look": part.keep_look,
-        "depth": part.depth.as_ref().map(|d| json!({ "paint": d.paint, "fit": d.params })),
+        "refine_singular": part.refine_singular,
+        "depth": painted(&part.depth),
         "direction": direction,
         "scale": part.scale.as_ref().map(|s| json!({ "everywhere": s.everywhere, "at": s.at })),
         "fill": part.fill,
-    })
+    });
+    for (name, input) in [("along", &part.along), ("across", &part.across)] {
+        if let Some(input) = painted(input) {
+            all[name] = input;
+        }
+    }
+    all
 }
 
 fn fields(part: &Part, mesh: &TetMesh, report: &mut Report, exec: &Exec) -> Result<Fields, PartError> {
-    let depth = match &part.depth {
-        Some(input) => {
-            Some(field::depth_field(mesh, &input.paint, &input.params, exec).map_err(PartError::Depth)?)
-        }
-        None => None,
+    let mut painted = |field: &'static str, input: &Option<DepthInput>| {
+        let Some(input) = input else { return Ok(None) };
+        let made = field::depth_field(mesh, &input.paint, &input.params, exec)
+            .map_err(|source| PartError::Depth { field, source })?;
+        report.section(&format!("{field}_field"), &made.report);
+        Ok::<_, PartError>(Some(made))
     };
-    if let Some(depth) = &depth {
-        report.section("depth_field", &depth.report);
-    }
+    let depth = painted("depth", &part.depth)?;
+    let along = painted("along", &part.along)?;
+    let across = painted("across", &part.across)?;
     let direction = match &part.direction {
         Some(DirectionInput::Constant(v)) => {
             let unit = v.try_normalize().ok_or(PartError::NoDirection)?;
@@ -384,5 +517,6 @@ fn fields(part: &Part, mesh: &TetMesh, report: &mut Report, exec: &Exec) -> Resu
         }
         None => None,
     };
-    Ok(Fields { depth: depth.map(|d| d.values), direction, scale })
+    let [depth, along, across] = [depth, along, across].map(|f| f.map(|f| f.values));
+    Ok(Fields { depth, direction, scale, along, across })
 }

@@ -3,61 +3,61 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::mesh::{TetMesh, index, signed_volume};
+use super::{TetMesh, index, signed_volume};
 
 /// The weights of a part that is a whole tetrahedron.
-pub(super) const WHOLE: u32 = u32::MAX;
+pub(crate) const WHOLE: u32 = u32::MAX;
 /// A face inside the parent.
-pub(super) const INNER: u8 = 4;
+pub(crate) const INNER: u8 = 4;
 
 /// Barycentric coordinates in the parent of a part's four vertices.
-pub(super) type Weights = [[f64; 4]; 4];
+pub(crate) type Weights = [[f64; 4]; 4];
 
 const IDENTITY: Weights =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 
 /// A part of a tetrahedron.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Part {
+pub(crate) struct Part {
     /// Its vertices; positive.
-    pub(super) vertices: [u32; 4],
+    pub(crate) vertices: [u32; 4],
     /// The tetrahedron that it is part of.
-    pub(super) parent: u32,
+    pub(crate) parent: u32,
     /// The face of the parent that its face opposite each vertex lies on, or [`INNER`].
-    pub(super) faces: [u8; 4],
+    pub(crate) faces: [u8; 4],
     /// Its place in [`Subdivision::weights`], or [`WHOLE`].
-    pub(super) weights: u32,
+    pub(crate) weights: u32,
 }
 
 /// An edge and the place at which it is split.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Split {
+pub(crate) struct Split {
     /// Its vertices, the smaller first.
-    pub(super) edge: [u32; 2],
+    pub(crate) edge: [u32; 2],
     /// The new vertex's place, from 0 at the first vertex to 1 at the second.
-    pub(super) t: f64,
+    pub(crate) t: f64,
     /// Splits of higher rank come first.
-    pub(super) rank: f64,
+    pub(crate) rank: f64,
 }
 
 impl Split {
     /// A split of no special rank.
-    pub(super) fn at(edge: [u32; 2], t: f64) -> Self {
+    pub(crate) fn at(edge: [u32; 2], t: f64) -> Self {
         Self { edge, t, rank: 0.0 }
     }
 }
 
 /// A mesh whose tetrahedra are being divided.
 #[derive(Debug)]
-pub(super) struct Subdivision {
+pub(crate) struct Subdivision {
     /// The mesh's vertices, then the new ones.
-    pub(super) vertices: Vec<DVec3>,
+    pub(crate) vertices: Vec<DVec3>,
     /// How each new vertex came about.
-    pub(super) splits: Vec<Split>,
+    pub(crate) splits: Vec<Split>,
     /// The parts; those that a split adds stand at the end.
-    pub(super) parts: Vec<Part>,
+    pub(crate) parts: Vec<Part>,
     /// Weights of the parts that are no whole tetrahedra.
-    pub(super) weights: Vec<Weights>,
+    pub(crate) weights: Vec<Weights>,
 }
 
 /// A part under division, with its own weights.
@@ -73,7 +73,7 @@ type Batch = (Vec<u8>, Vec<Slice>, Vec<u32>);
 
 impl Subdivision {
     /// All tetrahedra whole.
-    pub(super) fn new(mesh: &TetMesh) -> Self {
+    pub(crate) fn new(mesh: &TetMesh) -> Self {
         let part = |(t, vertices): (usize, &[u32; 4])| Part {
             vertices: *vertices,
             parent: index(t),
@@ -89,7 +89,7 @@ impl Subdivision {
     }
 
     /// Corners of a part.
-    pub(super) fn corners(&self, part: &Part) -> [DVec3; 4] {
+    pub(crate) fn corners(&self, part: &Part) -> [DVec3; 4] {
         part.vertices.map(|v| self.vertices[v as usize])
     }
 
@@ -103,7 +103,7 @@ impl Subdivision {
     /// # Errors
     /// If round-off would leave a part flat or inside out, nothing is split; the splits at fault are
     /// returned by their places, sorted, each once.
-    pub(super) fn split(&mut self, splits: &[Split]) -> Result<Vec<u32>, Vec<u32>> {
+    pub(crate) fn split(&mut self, splits: &[Split]) -> Result<Vec<u32>, Vec<u32>> {
         let old = self.vertices.len();
         let mut touched = vec![false; old];
         let mut lengths = Vec::with_capacity(splits.len());
@@ -213,7 +213,7 @@ fn marked(splits: &[Split], part: &Part) -> ([u32; 6], usize) {
 }
 
 /// The six edges of a tetrahedron, the smaller vertex first.
-pub(super) fn edges(v: [u32; 4]) -> [[u32; 2]; 6] {
+pub(crate) fn edges(v: [u32; 4]) -> [[u32; 2]; 6] {
     [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]
         .map(|[a, b]: [usize; 2]| [v[a].min(v[b]), v[a].max(v[b])])
 }
