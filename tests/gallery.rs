@@ -59,7 +59,8 @@ fn the_page_shows_what_the_project_files_draw() {
     let page = page();
     for file in names("meshes", "toml") {
         let project = lapis::project::Project::read(&root().join("meshes").join(&file)).unwrap();
-        let section = page.split("\n## ").find(|s| s.contains(&format!("lapis run meshes/{file}\n"))).unwrap();
+        let section =
+            page.split("\n## ").find(|s| s.contains(&format!("lapis run meshes/{file}\n"))).unwrap();
         let shown = section.matches("<img ").count();
         assert_eq!(shown, project.pictures.len() + 1, "{file}: its pictures and the exemplar's cube");
         for picture in &project.pictures {

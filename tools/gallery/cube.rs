@@ -11,7 +11,7 @@ use lapis::mesh::{FaceOrigin, TetMesh};
 use lapis::render::{Picture, RenderParams, frame_all_from, render};
 use lapis::volume::{self, AlphaMask};
 
-/// The texture's x axis points to the left front, y away from the outside, which lies to the right front, and z up.
+/// The outside (y = 0) lies to the right front, a section across x to the left front, one across z on top.
 pub(crate) fn picture(volume: &Path, exec: &Exec) -> Result<Picture, Box<dyn Error>> {
     let cube = cube(volume)?;
     let placed = [(&cube).into()];
