@@ -49,8 +49,8 @@ fn colour(p: [f64; 3]) -> Paint {
 fn skin(p: [f64; 3]) -> Paint {
     let blush =
         0.7 * noise(p, [5, 2, 8], 5) + 0.5 * noise(p, [11, 4, 17], 6) + 0.35 * noise(p, [23, 8, 29], 13);
-    let red = mix(rgb(226, 112, 66), rgb(184, 44, 50), step(-0.3, 0.8, blush));
-    let skin = mix(red, rgb(240, 166, 88), 0.75 * step(-0.1, -0.9, blush));
+    let red = mix(rgb(226, 112, 66), rgb(192, 56, 54), step(-0.3, 0.9, blush));
+    let skin = mix(red, rgb(240, 166, 88), 0.65 * step(-0.1, -0.9, blush));
     let fuzz = noise(p, [30, 8, 32], 7) + noise(p, [20, 9, 24], 8);
     mix(skin, rgb(255, 226, 206), 0.13 + 0.10 * fuzz)
 }
