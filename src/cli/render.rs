@@ -1,14 +1,15 @@
 //! `lapis render`
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use glam::DVec3;
-use lapis::lap::{Fields, LappedSolid, TextureType, unfilled};
+use lapis::lap::{LappedSolid, Look, bare};
 use lapis::mesh::{MESH_EXTENSIONS, TetParams};
 use lapis::project::{
-    MadePart, Model, Models, OutputFile, Project, Report, apart, fill_part, is_tet_file, painted_part,
-    tet_mesh,
+    MadePart, Model, Models, OutputFile, PartMesh, Project, Report, apart, fill_part, is_tet_file,
+    painted_part, tet_mesh,
 };
 use lapis::render::{Mark, PictureSize, RenderParams, Show, frame_all, frame_all_from, render_marked};
 use lapis::view::read_camera;
@@ -162,7 +163,10 @@ fn mesh(path: &Path, show: Show, session: &Session) -> Result<Subject, Failure> 
         )));
     }
     let params = TetParams { keep_surface: true, ..TetParams::default() };
-    let (mesh, report) = tet_mesh(path, &params, &Session::mesher(), session.exec())?;
-    let solid = unfilled(mesh, TextureType::Type0, &Fields::default());
+    let (PartMesh { mesh, surface, wear }, report) =
+        tet_mesh(path, &params, &Session::mesher(), session.exec())?;
+    // A mesh that wears nothing is drawn plain.
+    let look = Look::new(surface, &wear).ok().map(Arc::new);
+    let solid = LappedSolid { look, ..bare(mesh) };
     Ok(Subject { solids: vec![solid], marks: Vec::new(), report })
 }

@@ -184,6 +184,7 @@ fn piece(
         patches: solid.patches.clone(),
         exemplars: solid.exemplars.clone(),
         masks: solid.masks.clone(),
+        look: solid.look.clone(),
         tet_origin: parts().map(|(_, p)| solid.tet_origin[p.parent as usize]).collect(),
         cuts: solid.cuts + 1,
         settings: solid.settings.clone(),

@@ -318,7 +318,7 @@ mod tests {
     fn fruit() -> (TetMesh, DepthField) {
         let mesh = mapped(&ball(2, 5), |p| p * DVec3::new(1.0, 1.0, 1.4));
         let axis = DepthStroke { points: vec![DVec3::Z * -0.9, DVec3::Z * 0.9], depth: 1.0 };
-        let paint = DepthPaint { skin: Some(0.0), strokes: vec![axis] };
+        let paint = DepthPaint { skin: Some(0.0), strokes: vec![axis], ..DepthPaint::default() };
         let depth = depth_field(&mesh, &paint, &DepthParams::default(), &Exec::default()).unwrap();
         (mesh, depth)
     }

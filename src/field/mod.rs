@@ -16,7 +16,10 @@ mod scale;
 mod singular;
 mod stroke;
 
-pub use depth::{DepthError, DepthField, DepthPaint, DepthParams, DepthReport, DepthStroke, depth_field};
+pub(crate) use depth::strokes_that_count;
+pub use depth::{
+    DepthError, DepthField, DepthPaint, DepthParams, DepthReport, DepthStroke, PaintedFace, depth_field,
+};
 pub use direction::{DirectionError, DirectionParams, DirectionStroke, direction_field};
 pub(crate) use frame::perpendicular;
 pub use frame::{Fields, FrameField};
@@ -24,3 +27,4 @@ pub use gradient::tet_gradients;
 pub use rbf::{Kernel, Rbf, RbfError, RbfParams, RbfReport};
 pub use scale::{ScaleAt, ScaleError, scale_field};
 pub use singular::{FrameAxes, Singularities, singularities, singularities_of_vertices};
+pub(crate) use stroke::sample;

@@ -527,6 +527,7 @@ fn assemble(
         patches,
         exemplars: vec![texture],
         masks,
+        look: None,
         tet_origin,
         cuts: 0,
         settings: serde_json::Value::Null,

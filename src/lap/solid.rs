@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::Look;
 use super::kind::TextureType;
 use crate::colour::LinearRgba;
 use crate::mesh::TetMesh;
@@ -39,6 +40,9 @@ pub struct LappedSolid {
     pub exemplars: Vec<Arc<SolidTexture>>,
     /// The masks through which they are pasted.
     pub masks: Vec<Arc<AlphaMask>>,
+    /// The mesh's own look, where the outside keeps it. Its surface is the one whose triangles
+    /// [`FaceOrigin::Input`](crate::mesh::FaceOrigin::Input) counts.
+    pub look: Option<Arc<Look>>,
     /// For each tetrahedron the tetrahedron of the uncut model that it is part of. Length T.
     pub tet_origin: Vec<u32>,
     /// How many cuts the model has been through; cut faces number them from 0.

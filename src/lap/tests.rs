@@ -235,3 +235,56 @@ fn inputs_are_checked_by_name() {
         Err(FillError::Setting { key: "max_stretch", .. })
     ));
 }
+
+/// A ball whose boundary face f lies on triangle f of a look with everything in it.
+fn with_look() -> LappedSolid {
+    use crate::mesh::{FaceOrigin, Material, NONE, TriMesh, Wear, WornPicture};
+    let (mut solid, _) = filled(TextureType::Type0, 1);
+    let triangles: Vec<[u32; 3]> = solid.mesh.boundary.iter().map(|f| solid.mesh.face_vertices(f)).collect();
+    let surface = TriMesh { vertices: solid.mesh.vertices.clone(), triangles };
+    for (f, face) in solid.mesh.boundary.iter_mut().enumerate() {
+        face.origin = FaceOrigin::Input(f as u32);
+    }
+    let count = surface.triangles.len();
+    let wear = Wear {
+        uv: vec![[[0.0, 0.0], [1.0, 0.5], [-2.0, 1.0]]; count],
+        colours: vec![[[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 128]]; count],
+        material: (0..count).map(|t| if t % 3 == 2 { NONE } else { t as u32 % 3 }).collect(),
+        materials: vec![
+            Material { name: String::new(), colour: [255, 200, 100, 50], picture: Some(0) },
+            Material { name: String::new(), colour: [1, 2, 3, 4], picture: None },
+        ],
+        pictures: vec![WornPicture { width: 2, height: 1, rgba: vec![[1, 2, 3, 4], [5, 6, 7, 8]] }],
+        ..Wear::default()
+    };
+    solid.look = Some(Arc::new(Look::new(surface, &wear).unwrap()));
+    solid
+}
+
+#[test]
+fn a_look_survives_its_file_and_version_1_is_read() {
+    let mut solid = with_look();
+    let bytes = solid.to_bytes();
+    let back = LappedSolid::from_bytes(&bytes).unwrap();
+    assert_eq!(back, solid);
+    assert_eq!(back.to_bytes(), bytes);
+    // A file that names a triangle which the look does not have.
+    let mut bad = solid.clone();
+    bad.mesh.boundary[3].origin = crate::mesh::FaceOrigin::Input(1 << 20);
+    let refused = LappedSolid::from_bytes(&bad.to_bytes()).unwrap_err();
+    assert!(matches!(refused, ModelFileError::Value { name: "boundary_input", index: 3, .. }), "{refused}");
+    // A version 1 file knows nothing of looks.
+    solid.look = None;
+    let bytes = solid.to_bytes();
+    let text = String::from_utf8_lossy(&bytes).into_owned();
+    let (old, new) = ("\\\"format\\\":2,", "\\\"format\\\":1,");
+    let at = text.find(old).unwrap();
+    let key = "\\\"look\\\":null,";
+    let mut earlier = bytes.clone();
+    earlier[at..at + old.len()].copy_from_slice(new.as_bytes());
+    let look = text.find(key).unwrap();
+    earlier[look..look + key.len()].fill(b' ');
+    assert_eq!(LappedSolid::from_bytes(&earlier).unwrap(), solid);
+    earlier[at..at + old.len()].copy_from_slice("\\\"format\\\":3,".as_bytes());
+    assert!(matches!(LappedSolid::from_bytes(&earlier), Err(ModelFileError::Version(3))));
+}

@@ -1,7 +1,7 @@
 //! A solid before anything is lapped: the mesh with its fields, to see what was painted.
 
 use glam::DVec3;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::fill::as_coordinates;
 use super::kind::TextureType;
@@ -16,7 +16,7 @@ use crate::mesh::{TetMesh, index};
 /// the frame's axis any smooth one, the scale 1.
 #[must_use]
 pub fn unfilled(mesh: TetMesh, kind: TextureType, fields: &Fields) -> LappedSolid {
-    let (vertices, tets) = (mesh.vertices.len(), mesh.tets.len());
+    let vertices = mesh.vertices.len();
     let numbers = |field: &Option<Vec<f64>>| field.clone().filter(|f| f.len() == vertices);
     let fields = as_coordinates(&Fields {
         depth: numbers(&fields.depth),
@@ -25,24 +25,32 @@ pub fn unfilled(mesh: TetMesh, kind: TextureType, fields: &Fields) -> LappedSoli
         scale: numbers(&fields.scale),
         direction: fields.direction.clone().filter(|d| d.len() == vertices),
     });
-    let frame = if tets == 0 {
-        vec![[DVec3::X, DVec3::Y, DVec3::Z]; vertices]
+    let frame = if mesh.tets.is_empty() {
+        vec![DVec3::AXES; vertices]
     } else {
         FrameField::new(&mesh, &fields, kind.given()).at_vertices(&mesh)
     };
     let depth = fields.depth.unwrap_or_else(|| vec![0.0; vertices]);
+    LappedSolid { depth, frame, settings: json!({ "type": kind }), ..bare(mesh) }
+}
+
+/// The mesh alone, without fields and layers: a shape to cut and to draw on.
+#[must_use]
+pub fn bare(mesh: TetMesh) -> LappedSolid {
+    let (vertices, tets) = (mesh.vertices.len(), mesh.tets.len());
     LappedSolid {
-        depth,
-        frame,
+        depth: vec![0.0; vertices],
+        frame: vec![DVec3::AXES; vertices],
         layer_start: vec![0; tets + 1],
         layer_patch: Vec::new(),
         layer_uvw: Vec::new(),
         patches: Vec::new(),
         exemplars: Vec::new(),
         masks: Vec::new(),
+        look: None,
         tet_origin: (0..index(tets)).collect(),
         cuts: 0,
-        settings: json!({ "type": kind }),
+        settings: Value::Null,
         mesh,
     }
 }

@@ -97,7 +97,7 @@ impl TetMesh {
                 }
             }
             let volume = signed_volume(tet.map(|v| vertices[v as usize]));
-            if volume <= 0.0 {
+            if !(volume > 0.0) {
                 return Err(TopologyError::Inverted { tet: t, volume });
             }
         }

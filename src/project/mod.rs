@@ -5,9 +5,11 @@
 //! Every key is listed in `docs/project-file.md`.
 
 mod check;
+mod fields;
 mod file;
 mod models;
 mod output;
+mod painted;
 mod part;
 mod plan;
 mod problem;
@@ -20,8 +22,8 @@ pub use file::{CutEntry, ExportEntry, PictureEntry};
 pub use models::Models;
 pub use output::{OutputError, OutputFile, OutputFolder};
 pub use part::{
-    DepthInput, DirectionInput, MAX_REFINE_SINGULAR, MadePart, Part, PartError, ScaleInput, fill_part,
-    is_tet_file, painted_part, tet_mesh,
+    DepthInput, DirectionInput, MAX_REFINE_SINGULAR, MadePart, Part, PartError, PartMesh, ScaleInput,
+    fill_part, is_tet_file, painted_part, tet_mesh,
 };
 pub use plan::{Along, Cut, Model, Picture, Project};
 pub use problem::{ProjectError, ProjectProblem};

@@ -3,13 +3,12 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use super::plan::{Along, Model, Project};
+use super::plan::{Model, Project};
 use super::report::Report;
 use super::run::RunError;
-use crate::cut::{CutSurface, cut};
+use crate::cut::cut;
 use crate::exec::Exec;
 use crate::lap::LappedSolid;
-use crate::render::frame_all;
 
 /// The whole model of a project, filled or not, and the pieces of its cuts.
 #[derive(Debug, Clone)]
@@ -35,13 +34,7 @@ impl<'p> Models<'p> {
         for (number, planned) in project.cuts.iter().enumerate() {
             let start = Instant::now();
             let solid = models.find(planned.of, || format!("the cut '{}'", planned.name))?;
-            let surface = match &planned.along {
-                Along::Surface(surface) => surface.clone(),
-                Along::Framed(stroke) => {
-                    let camera = frame_all(&[solid.into()], 1.0);
-                    CutSurface::Stroke { stroke: stroke.clone(), camera }
-                }
-            };
+            let surface = planned.along.surface(solid);
             let failed = |source| RunError::Cut { name: planned.name.clone(), source };
             let (pieces, made) = cut(solid, &surface, &planned.params, exec).map_err(failed)?;
             let mut report = Report::default();

@@ -8,16 +8,17 @@ use std::time::Instant;
 use glam::DVec3;
 use serde_json::json;
 
+use super::fields::{PaintedFields, painted_fields};
+use super::plan::Cut;
+use crate::cut::CutError;
 use crate::exec::{Cancelled, Exec};
-use crate::field::{
-    self, DepthError, DepthPaint, DepthParams, DirectionError, DirectionParams, DirectionStroke, FrameField,
-    ScaleAt, ScaleError, Singularities,
-};
-use crate::lap::{self, Fields, FillError, FillParams, LappedSolid, TextureType};
+use crate::field::{DepthParams, DirectionParams, FrameField, Singularities};
+use crate::lap::{self, Fields, FillError, FillParams, LappedSolid, Look, LookError, TextureType};
 use crate::mesh::{
     self, CleanError, CleanReport, MeshReadError, Mesher, SplitError, TetError, TetFileError, TetMesh,
-    TetParams, TetReport, TopologyError,
+    TetParams, TetReport, TopologyError, TriMesh, Wear,
 };
+use crate::paint::{DepthPaint, DirectionStroke, Ground, PaintError, PaintProblem, ScaleAt};
 use crate::project::Report;
 use crate::render::Mark;
 use crate::volume::{self, VolumeReadError};
@@ -34,6 +35,8 @@ pub struct Part {
     pub tets: TetParams,
     /// How often the tetrahedra at singularities of the frames are refined \[LST 7\].
     pub refine_singular: u32,
+    /// Whether the outside keeps the mesh's own look, so that only cuts show the filling.
+    pub keep_look: bool,
     /// The solid texture: an `.nrrd` file or a folder of slices.
     pub volume: PathBuf,
     /// The texture's type.
@@ -48,6 +51,9 @@ pub struct Part {
     pub along: Option<DepthInput>,
     /// What paints the field that is texture z, where the type has one.
     pub across: Option<DepthInput>,
+    /// The cuts on whose pieces something may be painted, in their order: the numbers of [`Ground::Piece`] count
+    /// them.
+    pub cuts: Vec<Cut>,
     /// How it is lapped.
     pub fill: FillParams,
 }
@@ -142,26 +148,46 @@ pub enum PartError {
         "refine_singular is {0}; it must be 0 to {MAX_REFINE_SINGULAR}: each level halves the edges there"
     )]
     RefineLevels(u32),
-    /// No field of numbers comes of what is painted.
-    #[error("cannot make the field '{field}'")]
-    Depth {
-        /// Which one: `depth`, `along` or `across`.
-        field: &'static str,
+    /// Something painted that cannot be used.
+    #[error(transparent)]
+    Paint(PaintError),
+    /// A cut on whose piece something is painted.
+    #[error("cannot make the cut '{name}', on a piece of which something is painted")]
+    Cut {
+        /// Its name.
+        name: String,
         /// Why.
-        source: DepthError,
+        source: CutError,
     },
-    /// No direction field comes of the strokes.
-    #[error("cannot make the direction field")]
-    Direction(#[source] DirectionError),
-    /// No scale field comes of the scales.
-    #[error("cannot make the scale field")]
-    Scale(#[source] ScaleError),
+    /// The mesh has no look to keep.
+    #[error(
+        "keep_look (--keep-look on the command line): {} has no look to keep{notes}; leave it out, or export the \
+         mesh with vertex colours or with its materials and pictures (OBJ with its MTL and PNG beside it, GLB, PLY)",
+        path.display()
+    )]
+    Look {
+        /// The mesh.
+        path: PathBuf,
+        /// What was said when it was read, each in brackets after a space.
+        notes: String,
+        /// What is missing.
+        source: LookError,
+    },
     /// The lapping failed.
     #[error("cannot lap the texture")]
     Fill(#[source] FillError),
     /// The caller asked it to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl From<PaintError> for PartError {
+    fn from(error: PaintError) -> Self {
+        match error.problem {
+            PaintProblem::Cancelled(c) => Self::Cancelled(c),
+            _ => Self::Paint(error),
+        }
+    }
 }
 
 fn how_to_give(inputs: &[&str]) -> String {
@@ -216,6 +242,29 @@ impl Part {
             all.filter(|((_, needed), given)| *needed && !given).map(|((input, _), _)| input).collect();
         if inputs.is_empty() { Ok(()) } else { Err(PartError::Needs { kind, inputs }) }
     }
+
+    /// What its strokes are drawn on.
+    pub(super) fn grounds(&self) -> impl Iterator<Item = &Ground> {
+        let given = [&self.depth, &self.along, &self.across];
+        let depth = given.into_iter().flatten().flat_map(|d| d.paint.strokes.iter().map(|s| &s.place.on));
+        let direction = match &self.direction {
+            Some(DirectionInput::Strokes(strokes, _)) => &strokes[..],
+            _ => &[],
+        };
+        depth.chain(direction.iter().map(|s| &s.place.on))
+    }
+}
+
+/// The tetrahedra of a part, and the surface that they were made of.
+#[derive(Debug, Clone, Default)]
+pub struct PartMesh {
+    /// The tetrahedra.
+    pub mesh: TetMesh,
+    /// The cleaned surface: [`FaceOrigin::Input`](crate::mesh::FaceOrigin::Input) counts its triangles. Empty
+    /// where the tetrahedra come from a file.
+    pub surface: TriMesh,
+    /// What that surface wears: regions, texture coordinates, colours, materials.
+    pub wear: Wear,
 }
 
 /// Reads a surface, cleans it and fills it with tetrahedra; tetrahedra in a file are taken as they are.
@@ -227,7 +276,7 @@ pub fn tet_mesh(
     params: &TetParams,
     mesher: &Mesher,
     exec: &Exec,
-) -> Result<(TetMesh, Report), PartError> {
+) -> Result<(PartMesh, Report), PartError> {
     let mut report = Report::default();
     let mut start = Instant::now();
     if is_tet_file(path) {
@@ -235,15 +284,18 @@ pub fn tet_mesh(
         report.took("read", start);
         report.count("tetrahedra", mesh.tets.len());
         report.count("vertices", mesh.vertices.len());
-        return Ok((mesh, report));
+        return Ok((PartMesh { mesh, ..PartMesh::default() }, report));
     }
-    let surface = mesh::read(path)?;
-    let (surface, cleaned) =
-        mesh::clean(&surface).map_err(|source| PartError::Clean { path: path.to_owned(), source })?;
+    let file = mesh::read(path)?;
+    report.notes.extend(file.notes);
+    let cleaned =
+        mesh::clean(&file.mesh).map_err(|source| PartError::Clean { path: path.to_owned(), source })?;
     let mut cleaning = Report::default();
-    cleaning.add(&cleaned);
+    cleaning.add(&cleaned.report);
     report.nest("cleaned", cleaning);
-    report.notes.extend(cleaning_note(&cleaned));
+    report.notes.extend(cleaning_note(&cleaned.report));
+    let wear = file.wear.carried_over(&cleaned.from);
+    let surface = cleaned.mesh;
     report.took("read", start);
     start = Instant::now();
     let (mesh, made) = mesh::tetrahedralise(&surface, params, mesher, exec)
@@ -255,7 +307,7 @@ pub fn tet_mesh(
     report.count("tetrahedra", mesh.tets.len());
     report.count("vertices", mesh.vertices.len());
     report.took("tetrahedralise", start);
-    Ok((mesh, report))
+    Ok((PartMesh { mesh, surface, wear }, report))
 }
 
 /// What cleaning changed; nothing for a mesh that was clean.
@@ -326,14 +378,15 @@ pub fn fill_part(part: &Part, seed: u64, mesher: &Mesher, exec: &Exec) -> Result
     let mut report = Report::default();
     report.took("read", start);
     exec.check()?;
-    let (mesh, fields) = painted(part, mesher, &mut report, exec)?;
+    let Painted { mesh, fields, look, marks } = painted(part, mesher, &mut report, exec)?;
     let start = Instant::now();
     let (mut solid, filled) = lap::fill(mesh, Arc::new(texture), part.kind, &fields, &part.fill, seed, exec)
         .map_err(PartError::Fill)?;
+    solid.look = look;
     solid.settings = settings(part, seed);
     report.add(&filled);
     report.took("fill", start);
-    Ok(MadePart { solid, marks: marks(part), report })
+    Ok(MadePart { solid, marks, report })
 }
 
 /// A part as it is painted, before it is filled: reads its mesh, makes the tetrahedra and the fields. Its solid
@@ -344,50 +397,67 @@ pub fn fill_part(part: &Part, seed: u64, mesher: &Mesher, exec: &Exec) -> Result
 pub fn painted_part(part: &Part, mesher: &Mesher, exec: &Exec) -> Result<MadePart, PartError> {
     part.check()?;
     let mut report = Report::default();
-    let (mesh, fields) = painted(part, mesher, &mut report, exec)?;
+    let Painted { mesh, fields, look, marks } = painted(part, mesher, &mut report, exec)?;
     let mut solid = lap::unfilled(mesh, part.kind, &fields);
+    solid.look = look;
     solid.settings = settings(part, 0);
-    Ok(MadePart { solid, marks: marks(part), report })
+    Ok(MadePart { solid, marks, report })
+}
+
+/// All that a fill begins with.
+struct Painted {
+    mesh: TetMesh,
+    fields: Fields,
+    look: Option<Arc<Look>>,
+    marks: Vec<Mark>,
 }
 
 /// The tetrahedra of a part, refined where its frames are singular, and the fields over them.
-fn painted(
-    part: &Part,
-    mesher: &Mesher,
-    report: &mut Report,
-    exec: &Exec,
-) -> Result<(TetMesh, Fields), PartError> {
-    let (mut mesh, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
+fn painted(part: &Part, mesher: &Mesher, report: &mut Report, exec: &Exec) -> Result<Painted, PartError> {
+    let (PartMesh { mesh, surface, wear }, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
     report.join(meshed);
-    mesh = fit_for_depth(part, mesh, report, exec)?;
+    let look = if part.keep_look { Some(look(part, surface, &wear, &report.notes)?) } else { None };
+    let mut mesh = fit_for_depth(part, mesh, report, exec)?;
     let start = Instant::now();
-    let mut fields = self::fields(part, &mesh, report, exec)?;
-    let mut singular = singularities(part, &mesh, &fields);
+    let mut painted = painted_fields(part, &mesh, &wear, report, exec)?;
+    let mut singular = singularities(part, &mesh, &painted.fields);
     for _ in 0..part.refine_singular {
         if singular.tets.is_empty() {
             break;
         }
         exec.check()?;
         mesh = mesh::refine(&mesh, &singular.tets).map_err(PartError::Refine)?;
-        fields = self::fields(part, &mesh, report, exec)?;
-        singular = singularities(part, &mesh, &fields);
+        if part.kind.inputs().depth {
+            // A halved edge of a thin part's surface may join it to itself.
+            mesh = split_for_depth(part, &mesh, exec)?.0;
+        }
+        painted = painted_fields(part, &mesh, &wear, report, exec)?;
+        singular = singularities(part, &mesh, &painted.fields);
     }
+    report.count("tetrahedra", mesh.tets.len());
     report.count("vertices", mesh.vertices.len());
     report.count("singular_edges", singular.edges.len());
     report.count("singular_tets", singular.tets.len());
     report.count("singularities", singular.curves);
     report.took("fields", start);
-    Ok((mesh, fields))
+    Ok(Painted { mesh, look, marks: marks(&painted), fields: painted.fields })
 }
 
-fn marks(part: &Part) -> Vec<Mark> {
-    let depth = part.depth.iter().flat_map(|d| &d.paint.strokes);
-    let mut marks: Vec<Mark> =
-        depth.map(|s| Mark::Depth { points: s.points.clone(), depth: s.depth }).collect();
-    if let Some(DirectionInput::Strokes(strokes, _)) = &part.direction {
-        marks.extend(strokes.iter().map(|s| Mark::Direction { points: s.points.clone() }));
-    }
-    marks
+/// The strokes as they lie in space, to be drawn over pictures.
+fn marks(painted: &PaintedFields) -> Vec<Mark> {
+    let depth = painted.depth_strokes.iter();
+    let direction = painted.direction_strokes.iter();
+    depth
+        .map(|s| Mark::Depth { points: s.points.clone(), depth: s.depth })
+        .chain(direction.map(|s| Mark::Direction { points: s.points.clone() }))
+        .collect()
+}
+
+fn split_for_depth(part: &Part, mesh: &TetMesh, exec: &Exec) -> Result<(TetMesh, mesh::Splits), PartError> {
+    mesh::split_for_depth(mesh, exec).map_err(|e| match e {
+        SplitError::Cancelled(e) => e.into(),
+        source => PartError::Split { path: part.mesh.clone(), source },
+    })
 }
 
 /// Tetrahedra of a file may have their four vertices on the surface; where depth is painted there, they are split.
@@ -397,10 +467,7 @@ fn fit_for_depth(part: &Part, mesh: TetMesh, report: &mut Report, exec: &Exec) -
         return Ok(mesh);
     }
     let start = Instant::now();
-    let (mesh, splits) = mesh::split_for_depth(&mesh, exec).map_err(|e| match e {
-        SplitError::Cancelled(e) => e.into(),
-        source => PartError::Split { path: part.mesh.clone(), source },
-    })?;
+    let (mesh, splits) = split_for_depth(part, &mesh, exec)?;
     report.add(&splits);
     if splits != mesh::Splits::default() {
         report.notes.push(format!(
@@ -420,6 +487,15 @@ fn singularities(part: &Part, mesh: &TetMesh, fields: &Fields) -> Singularities 
     FrameField::new(mesh, fields, part.kind.given()).singularities(mesh, line_field)
 }
 
+/// The look that the outside keeps.
+fn look(part: &Part, surface: TriMesh, wear: &Wear, notes: &[String]) -> Result<Arc<Look>, PartError> {
+    Look::new(surface, wear).map(Arc::new).map_err(|source| PartError::Look {
+        path: part.mesh.clone(),
+        notes: notes.iter().map(|note| format!(" ({note})")).collect(),
+        source,
+    })
+}
+
 /// What made a model, for the record: every setting, but no path.
 fn settings(part: &Part, seed: u64) -> serde_json::Value {
     let direction = part.direction.as_ref().map(|d| match d {
@@ -433,6 +509,7 @@ fn settings(part: &Part, seed: u64) -> serde_json::Value {
         "seed": seed,
         "mesh": part.tets,
         "refine_singular": part.refine_singular,
+        "keep_look": part.keep_look,
         "depth": painted(&part.depth),
         "direction": direction,
         "scale": part.scale.as_ref().map(|s| json!({ "everywhere": s.everywhere, "at": s.at })),
@@ -444,36 +521,4 @@ fn settings(part: &Part, seed: u64) -> serde_json::Value {
         }
     }
     all
-}
-
-fn fields(part: &Part, mesh: &TetMesh, report: &mut Report, exec: &Exec) -> Result<Fields, PartError> {
-    let mut painted = |field: &'static str, input: &Option<DepthInput>| {
-        let Some(input) = input else { return Ok(None) };
-        let made = field::depth_field(mesh, &input.paint, &input.params, exec)
-            .map_err(|source| PartError::Depth { field, source })?;
-        report.section(&format!("{field}_field"), &made.report);
-        Ok::<_, PartError>(Some(made))
-    };
-    let depth = painted("depth", &part.depth)?;
-    let along = painted("along", &part.along)?;
-    let across = painted("across", &part.across)?;
-    let direction = match &part.direction {
-        Some(DirectionInput::Constant(v)) => {
-            let unit = v.try_normalize().ok_or(PartError::NoDirection)?;
-            Some(vec![unit; mesh.vertices.len()])
-        }
-        Some(DirectionInput::Strokes(strokes, params)) => Some(
-            field::direction_field(mesh, strokes, depth.as_ref(), params, exec)
-                .map_err(PartError::Direction)?,
-        ),
-        None => None,
-    };
-    let scale = match &part.scale {
-        Some(input) => {
-            Some(field::scale_field(mesh, input.everywhere, &input.at, exec).map_err(PartError::Scale)?)
-        }
-        None => None,
-    };
-    let [depth, along, across] = [depth, along, across].map(|f| f.map(|f| f.values));
-    Ok(Fields { depth, direction, scale, along, across })
 }
