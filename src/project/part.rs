@@ -218,6 +218,7 @@ pub fn tet_mesh(
     report.count("tetrahedra", mesh.tets.len());
     report.count("vertices", mesh.vertices.len());
     report.took("tetrahedralise", start);
+    report.spent("tetgen", made.tetgen_seconds);
     Ok((mesh, report))
 }
 
