@@ -14,6 +14,7 @@ mod laplacian;
 mod rbf;
 mod scale;
 mod stroke;
+mod twolevel;
 
 pub use depth::{DepthError, DepthField, DepthPaint, DepthParams, DepthReport, DepthStroke, depth_field};
 pub use direction::{DirectionError, DirectionParams, DirectionStroke, direction_field};

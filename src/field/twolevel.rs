@@ -1,0 +1,583 @@
+//! Smoothing of large meshes: conjugate gradients under a two-level preconditioner.
+//!
+//! The factor of K D⁻² K grows faster than the mesh: at a million tetrahedra it takes gigabytes. Iterations need
+//! memory for some vectors only, but hardly get on by themselves: the matrix is a squared Laplacian, and its
+//! smooth vectors count for next to nothing. So these are taken from a coarse problem: the vertices are gathered
+//! in aggregates, on each of which the field is a linear function; these functions are smoothed to be continuous
+//! (smoothed aggregation for fourth order problems; Vaněk, Mandel & Brezina 1996), and the matrix over them is
+//! factored. A few steps of a Chebyshev polynomial see to what is rough.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::graph::Graph;
+use super::laplacian::{Pin, SmoothError};
+use crate::exec::Exec;
+use crate::mesh::{TetMesh, index};
+use crate::solve::{Entry, IterationError, SpdFactor, add, conjugate_gradients, dot, nested_dissection};
+
+/// The most aggregates: a coarse problem of some 12,000 unknowns is factored in about a second.
+const AGGREGATES: usize = 4000;
+/// Edges of less weight do not gather vertices.
+const STRONG: f64 = 0.1;
+/// How far one step of smoothing goes, as a part of the way to the neighbours' mean.
+const DAMPING: f64 = 0.6;
+/// Smoothing steps of the coarse functions: after two, their second differences are moderate.
+const SMOOTHINGS: usize = 2;
+/// Degree of the Chebyshev polynomial, and the part of the spectrum that it sees to.
+const DEGREE: usize = 3;
+const SPREAD: f64 = 30.0;
+/// Relative error at which a solution is good enough: directions are normalised, scales are shown to a few
+/// digits.
+const TOLERANCE: f64 = 1e-8;
+/// Functions on an aggregate: 1, x, y, z.
+const FUNCTIONS: usize = 4;
+/// Rows that one thread takes at a time.
+const CHUNK: usize = 2048;
+
+/// The matrix K D⁻² K + μ ΛᵀΛ + ε, never written down.
+struct Operator<'a> {
+    graph: &'a Graph,
+    weights: &'a [f64],
+    degree: Vec<f64>,
+    pins: &'a [Pin],
+    stiffness: f64,
+    pull: f64,
+}
+
+impl Operator<'_> {
+    /// (K x)(v).
+    fn laplacian<const N: usize>(&self, v: usize, x: &[[f64; N]]) -> [f64; N] {
+        let mut sum = x[v].map(|x| self.degree[v] * x);
+        for (&w, weight) in self.graph.of(v).iter().zip(&self.weights[self.graph.range(v)]) {
+            let other = &x[w as usize];
+            for c in 0..N {
+                sum[c] -= weight * other[c];
+            }
+        }
+        sum
+    }
+
+    fn apply<const N: usize>(&self, x: &[[f64; N]], y: &mut [[f64; N]]) {
+        let inner: Vec<[f64; N]> = (0..x.len())
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(|v| {
+                let d = self.degree[v];
+                let part = if d > 0.0 { 1.0 / (d * d) } else { 0.0 };
+                self.laplacian(v, x).map(|k| k * part)
+            })
+            .collect();
+        y.par_iter_mut().enumerate().with_min_len(CHUNK).for_each(|(v, y)| {
+            let outer = self.laplacian(v, &inner);
+            *y = std::array::from_fn(|c| outer[c] + self.pull * x[v][c]);
+        });
+        for pin in self.pins {
+            let mut at = [0.0; N];
+            for (v, l) in pin.vertices.into_iter().zip(pin.weights) {
+                for c in 0..N {
+                    at[c] += l * x[v as usize][c];
+                }
+            }
+            for (v, l) in pin.vertices.into_iter().zip(pin.weights) {
+                for c in 0..N {
+                    y[v as usize][c] += self.stiffness * l * at[c];
+                }
+            }
+        }
+    }
+
+    fn diagonal(&self) -> Vec<f64> {
+        let mut diagonal: Vec<f64> = (0..self.graph.len())
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(|v| {
+                let edges = self.graph.of(v).iter().zip(&self.weights[self.graph.range(v)]);
+                let around: f64 = edges.map(|(&w, weight)| (weight / self.degree[w as usize]).powi(2)).sum();
+                if self.degree[v] > 0.0 { 1.0 + around + self.pull } else { self.pull.max(1.0) }
+            })
+            .collect();
+        for pin in self.pins {
+            for (v, l) in pin.vertices.into_iter().zip(pin.weights) {
+                diagonal[v as usize] += self.stiffness * l * l;
+            }
+        }
+        diagonal
+    }
+}
+
+/// An aggregate and the values of its four functions.
+type Values = (u32, [f64; FUNCTIONS]);
+
+/// Rows over the coarse functions.
+struct Rows {
+    start: Vec<usize>,
+    entries: Vec<Values>,
+}
+
+impl Rows {
+    fn of(&self, v: usize) -> &[Values] {
+        &self.entries[self.start[v]..self.start[v + 1]]
+    }
+
+    /// New rows, each a sum of old ones: `parts` calls its argument with each of them and its factor.
+    fn combined(&self, count: usize, parts: impl Fn(usize, &mut dyn FnMut(usize, f64)) + Sync) -> Self {
+        let chunks: Vec<(Vec<usize>, Vec<Values>)> = (0..count.div_ceil(CHUNK))
+            .into_par_iter()
+            .map(|chunk| {
+                let (mut lengths, mut entries): (Vec<usize>, Vec<Values>) = (Vec::new(), Vec::new());
+                for v in chunk * CHUNK..((chunk + 1) * CHUNK).min(count) {
+                    let first = entries.len();
+                    parts(v, &mut |w, factor| {
+                        for (aggregate, values) in self.of(w) {
+                            let mine = &mut entries[first..];
+                            match mine.iter_mut().find(|(a, _)| a == aggregate) {
+                                Some((_, sum)) => {
+                                    for (s, x) in sum.iter_mut().zip(values) {
+                                        *s += factor * x;
+                                    }
+                                }
+                                None => entries.push((*aggregate, values.map(|x| factor * x))),
+                            }
+                        }
+                    });
+                    entries[first..].sort_unstable_by_key(|e| e.0);
+                    lengths.push(entries.len() - first);
+                }
+                (lengths, entries)
+            })
+            .collect();
+        let mut rows = Self { start: vec![0], entries: Vec::new() };
+        let mut end = 0;
+        rows.start.reserve(count);
+        rows.entries.reserve(chunks.iter().map(|c| c.1.len()).sum());
+        for (lengths, entries) in chunks {
+            for length in lengths {
+                end += length;
+                rows.start.push(end);
+            }
+            rows.entries.extend(entries);
+        }
+        rows
+    }
+}
+
+/// A sparse symmetric matrix of 4×4 blocks: for each aggregate the blocks of itself and lower ones.
+type Blocks = Vec<Vec<(u32, [[f64; FUNCTIONS]; FUNCTIONS])>>;
+
+/// Adds factor · rowᵀ row to the matrix.
+fn add_square(blocks: &mut Blocks, row: &[Values], factor: f64) {
+    for (n, (i, a)) in row.iter().enumerate() {
+        let line = &mut blocks[*i as usize];
+        for (j, b) in &row[..=n] {
+            let at = match line.binary_search_by_key(j, |e| e.0) {
+                Ok(at) => at,
+                Err(at) => {
+                    line.insert(at, (*j, [[0.0; FUNCTIONS]; FUNCTIONS]));
+                    at
+                }
+            };
+            for (sum, a) in line[at].1.iter_mut().zip(a) {
+                for (sum, b) in sum.iter_mut().zip(b) {
+                    *sum += factor * a * b;
+                }
+            }
+        }
+    }
+}
+
+/// A smoothing problem of a large mesh, ready for right-hand sides.
+pub(super) struct TwoLevel<'a> {
+    operator: Operator<'a>,
+    inverse_diagonal: Vec<f64>,
+    /// The largest eigenvalue of the matrix over its diagonal.
+    largest: f64,
+    /// The coarse functions at the vertices.
+    functions: Rows,
+    coarse: SpdFactor,
+}
+
+impl<'a> TwoLevel<'a> {
+    pub(super) fn new(
+        mesh: &TetMesh,
+        graph: &'a Graph,
+        weights: &'a [f64],
+        pins: &'a [Pin],
+        stiffness: f64,
+        pull: f64,
+        exec: &Exec,
+    ) -> Result<Self, SmoothError> {
+        let degree: Vec<f64> = (0..graph.len()).map(|v| weights[graph.range(v)].iter().sum()).collect();
+        let operator = Operator { graph, weights, degree, pins, stiffness, pull };
+        let inverse_diagonal: Vec<f64> = operator.diagonal().into_iter().map(f64::recip).collect();
+        let largest = largest(&operator, &inverse_diagonal);
+        exec.check().map_err(SmoothError::Cancelled)?;
+        let (aggregate, count) = aggregates(graph, weights);
+        let (mut functions, centres) = linear_functions(mesh, &aggregate, count);
+        let step = |v: usize, factor: f64, part: &mut dyn FnMut(usize, f64)| {
+            let d = operator.degree[v];
+            part(v, if d > 0.0 { 1.0 - factor } else { 1.0 });
+            for (&w, weight) in graph.of(v).iter().zip(&weights[graph.range(v)]).filter(|_| d > 0.0) {
+                part(w as usize, factor * weight / d);
+            }
+        };
+        for _ in 0..SMOOTHINGS {
+            functions = functions.combined(graph.len(), |v, part| step(v, DAMPING, part));
+            exec.check().map_err(SmoothError::Cancelled)?;
+        }
+        let coarse = {
+            // The rows of L = D⁻¹K over the coarse functions: the matrix over them is a sum of their squares.
+            let rows = functions.combined(graph.len(), |v, part| {
+                let d = operator.degree[v];
+                if d > 0.0 {
+                    part(v, 1.0);
+                    for (&w, weight) in graph.of(v).iter().zip(&weights[graph.range(v)]) {
+                        part(w as usize, -weight / d);
+                    }
+                }
+            });
+            let mut blocks: Blocks =
+                (0..index(count)).map(|a| vec![(a, [[0.0; FUNCTIONS]; FUNCTIONS])]).collect();
+            for v in 0..graph.len() {
+                add_square(&mut blocks, rows.of(v), 1.0);
+                if pull > 0.0 {
+                    add_square(&mut blocks, functions.of(v), pull);
+                }
+            }
+            exec.check().map_err(SmoothError::Cancelled)?;
+            let at_pins = functions.combined(pins.len(), |n, part| {
+                for (v, l) in pins[n].vertices.into_iter().zip(pins[n].weights).filter(|(_, l)| *l != 0.0) {
+                    part(v as usize, l);
+                }
+            });
+            for n in 0..pins.len() {
+                add_square(&mut blocks, at_pins.of(n), stiffness);
+            }
+            factored(&blocks, &centres)?
+        };
+        exec.check().map_err(SmoothError::Cancelled)?;
+        Ok(Self { operator, inverse_diagonal, largest, functions, coarse })
+    }
+
+    pub(super) fn solve<const N: usize>(
+        &self,
+        rhs: &[[f64; N]],
+        exec: &Exec,
+    ) -> Result<Vec<[f64; N]>, SmoothError> {
+        let apply = |x: &[[f64; N]], y: &mut [[f64; N]]| self.operator.apply(x, y);
+        let precondition = |r: &[[f64; N]], z: &mut [[f64; N]]| self.precondition(r, z);
+        conjugate_gradients(rhs, TOLERANCE, apply, precondition, exec).map_err(|e| match e {
+            IterationError::Solve(e) => SmoothError::Solve(e),
+            IterationError::Cancelled(e) => SmoothError::Cancelled(e),
+        })
+    }
+
+    /// One symmetric cycle: what is rough, the coarse problem, what is rough.
+    fn precondition<const N: usize>(&self, r: &[[f64; N]], z: &mut [[f64; N]]) {
+        z.fill([0.0; N]);
+        let mut residual = r.to_vec();
+        self.smooth(&mut residual, z);
+        self.correct(&mut residual, z);
+        self.smooth(&mut residual, z);
+    }
+
+    /// Adds to z what a Chebyshev polynomial makes of the residual, and takes it from the residual.
+    fn smooth<const N: usize>(&self, residual: &mut [[f64; N]], z: &mut [[f64; N]]) {
+        let (low, high) = (self.largest / SPREAD, self.largest);
+        let (middle, half) = (0.5 * (high + low), 0.5 * (high - low));
+        let sigma = middle / half;
+        let mut rho = 1.0 / sigma;
+        let scaled = |r: &[[f64; N]], factor: f64| -> Vec<[f64; N]> {
+            let rows = r.par_iter().zip(&self.inverse_diagonal).with_min_len(CHUNK);
+            rows.map(|(r, d)| r.map(|r| r * d * factor)).collect()
+        };
+        let mut step = scaled(residual, 1.0 / middle);
+        let mut product = vec![[0.0; N]; z.len()];
+        for n in 0..DEGREE {
+            add(z, &[1.0; N], &step);
+            self.operator.apply(&step, &mut product);
+            add(residual, &[-1.0; N], &product);
+            if n + 1 < DEGREE {
+                let next = 1.0 / (2.0 * sigma - rho);
+                let fresh = scaled(residual, 2.0 * next / half);
+                step.par_iter_mut().zip(&fresh).with_min_len(CHUNK).for_each(|(s, f)| {
+                    *s = std::array::from_fn(|c| next * rho * s[c] + f[c]);
+                });
+                rho = next;
+            }
+        }
+    }
+
+    /// Adds to z the solution of the coarse problem, and takes it from the residual.
+    fn correct<const N: usize>(&self, residual: &mut [[f64; N]], z: &mut [[f64; N]]) {
+        let size = self.coarse.size();
+        // Sums over fixed parts of the vertices, added up in order.
+        let parts: Vec<Vec<f64>> = residual
+            .par_chunks(residual.len().div_ceil(16).max(1))
+            .enumerate()
+            .map(|(n, chunk)| {
+                let first = n * residual.len().div_ceil(16).max(1);
+                let mut sum = vec![0.0; size * N];
+                for (v, r) in chunk.iter().enumerate() {
+                    for (aggregate, values) in self.functions.of(first + v) {
+                        for (k, value) in values.iter().enumerate() {
+                            for c in 0..N {
+                                sum[c * size + *aggregate as usize * FUNCTIONS + k] += value * r[c];
+                            }
+                        }
+                    }
+                }
+                sum
+            })
+            .collect();
+        let mut coarse = vec![0.0; size * N];
+        for part in parts {
+            for (sum, x) in coarse.iter_mut().zip(part) {
+                *sum += x;
+            }
+        }
+        self.coarse.solve(&mut coarse, N);
+        let step: Vec<[f64; N]> = (0..z.len())
+            .into_par_iter()
+            .with_min_len(CHUNK)
+            .map(|v| {
+                let mut sum = [0.0; N];
+                for (aggregate, values) in self.functions.of(v) {
+                    for (k, value) in values.iter().enumerate() {
+                        for c in 0..N {
+                            sum[c] += value * coarse[c * size + *aggregate as usize * FUNCTIONS + k];
+                        }
+                    }
+                }
+                sum
+            })
+            .collect();
+        add(z, &[1.0; N], &step);
+        let mut product = vec![[0.0; N]; z.len()];
+        self.operator.apply(&step, &mut product);
+        add(residual, &[-1.0; N], &product);
+    }
+}
+
+/// The largest eigenvalue of the matrix over its diagonal, a little above, by power iteration.
+fn largest(operator: &Operator<'_>, inverse_diagonal: &[f64]) -> f64 {
+    let n = inverse_diagonal.len();
+    // Any rough vector does.
+    let mut x: Vec<[f64; 1]> = (0..n).map(|v| [((v * 7919 + 13) % 1009) as f64 / 504.0 - 1.0]).collect();
+    let mut y = vec![[0.0]; n];
+    let mut found = 1.0;
+    for _ in 0..12 {
+        operator.apply(&x, &mut y);
+        for (y, d) in y.iter_mut().zip(inverse_diagonal) {
+            y[0] *= d;
+        }
+        let (before, after) = (dot(&x, &x)[0].sqrt(), dot(&y, &y)[0].sqrt());
+        if !(before > 0.0 && after > 0.0) {
+            return 1.0;
+        }
+        found = after / before;
+        for (x, y) in x.iter_mut().zip(&y) {
+            x[0] = y[0] / after;
+        }
+    }
+    found * 1.1
+}
+
+/// The aggregate of each vertex, and their number: vertices within some edges of one in the middle.
+fn aggregates(graph: &Graph, weights: &[f64]) -> (Vec<u32>, usize) {
+    const FREE: u32 = u32::MAX;
+    let n = graph.len();
+    // Some 70 vertices lie within two edges; their number grows with the cube.
+    let radius = (2..).find(|r: &usize| n / (9 * r * r * r) <= AGGREGATES).unwrap_or(2);
+    let near = |v: usize| {
+        let edges = graph.of(v).iter().zip(&weights[graph.range(v)]);
+        edges.filter(|(_, w)| **w >= STRONG).map(|(&w, _)| w as usize)
+    };
+    let mut aggregate = vec![FREE; n];
+    let mut count = 0;
+    let mut ball = Vec::new();
+    for v in 0..n {
+        if aggregate[v] != FREE || near(v).any(|w| aggregate[w] != FREE) {
+            continue;
+        }
+        aggregate[v] = count;
+        ball.clear();
+        ball.push(v);
+        let mut ring = 0;
+        for _ in 0..radius {
+            let end = ball.len();
+            for k in ring..end {
+                for w in near(ball[k]) {
+                    if aggregate[w] == FREE {
+                        aggregate[w] = count;
+                        ball.push(w);
+                    }
+                }
+            }
+            ring = end;
+        }
+        count += 1;
+    }
+    // What is left between them joins a neighbour, ring by ring; what has none is alone.
+    let mut left: Vec<usize> = (0..n).filter(|&v| aggregate[v] == FREE).collect();
+    while !left.is_empty() {
+        let joins: Vec<(usize, u32)> = left
+            .iter()
+            .filter_map(|&v| Some((v, near(v).map(|w| aggregate[w]).filter(|a| *a != FREE).min()?)))
+            .collect();
+        if joins.is_empty() {
+            aggregate[left[0]] = count;
+            count += 1;
+        }
+        for (v, a) in joins {
+            aggregate[v] = a;
+        }
+        left.retain(|&v| aggregate[v] == FREE);
+    }
+    (aggregate, count as usize)
+}
+
+/// 1, x, y and z on each aggregate, made orthonormal there, and the aggregates' centres. What is no new function
+/// on a small or flat aggregate is 0.
+fn linear_functions(mesh: &TetMesh, aggregate: &[u32], count: usize) -> (Rows, Vec<DVec3>) {
+    let mut members: Vec<Vec<u32>> = vec![Vec::new(); count];
+    for (v, a) in aggregate.iter().enumerate() {
+        members[*a as usize].push(index(v));
+    }
+    let mut values = vec![[0.0; FUNCTIONS]; aggregate.len()];
+    let mut centres = Vec::with_capacity(count);
+    for members in &members {
+        let at = |v: u32| mesh.vertices[v as usize];
+        let centre = members.iter().map(|v| at(*v)).sum::<DVec3>() / members.len() as f64;
+        centres.push(centre);
+        let mut columns: Vec<Vec<f64>> = vec![vec![1.0; members.len()]];
+        columns.extend((0..3).map(|axis| members.iter().map(|v| (at(*v) - centre)[axis]).collect()));
+        let size = (1..FUNCTIONS).flat_map(|c| &columns[c]).fold(0.0f64, |a, b| a.max(b.abs()));
+        for c in 0..FUNCTIONS {
+            let (done, rest) = columns.split_at_mut(c);
+            let column = &mut rest[0];
+            // Twice: rounding leaves a little after the first time.
+            for _ in 0..2 {
+                for other in &*done {
+                    let along: f64 = other.iter().zip(&*column).map(|(a, b)| a * b).sum();
+                    for (x, o) in column.iter_mut().zip(other) {
+                        *x -= along * o;
+                    }
+                }
+            }
+            let length = column.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let least = if c == 0 { 0.0 } else { 1e-3 * size };
+            let factor = if length > least { 1.0 / length } else { 0.0 };
+            for x in column.iter_mut() {
+                *x *= factor;
+            }
+        }
+        for (n, v) in members.iter().enumerate() {
+            values[*v as usize] = std::array::from_fn(|c| columns[c][n]);
+        }
+    }
+    let rows = Rows {
+        start: (0..=aggregate.len()).collect(),
+        entries: aggregate.iter().copied().zip(values).collect(),
+    };
+    (rows, centres)
+}
+
+fn factored(blocks: &Blocks, centres: &[DVec3]) -> Result<SpdFactor, SmoothError> {
+    let mut lower = Vec::new();
+    for (i, line) in blocks.iter().enumerate() {
+        for (j, block) in line {
+            let j = *j as usize;
+            for (a, row) in block.iter().enumerate() {
+                for (b, &value) in row.iter().enumerate() {
+                    let (row, column) = (i * FUNCTIONS + a, j * FUNCTIONS + b);
+                    if row == column {
+                        // A function that is 0 everywhere stays so.
+                        lower.push(Entry::new(row, column, if value > 0.0 { value } else { 1.0 }));
+                    } else if row > column {
+                        lower.push(Entry::new(row, column, value));
+                    }
+                }
+            }
+        }
+    }
+    let places: Vec<DVec3> = centres.iter().flat_map(|c| [*c; FUNCTIONS]).collect();
+    let order = nested_dissection(&places, &lower);
+    SpdFactor::ordered(&order, &lower).map_err(SmoothError::Solve)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::laplacian::{Smoother, weights};
+    use crate::mesh::TetLocator;
+    use crate::mesh::shapes::{both, grid, mapped};
+
+    /// Pins along a curve through a box, and one in the corner.
+    fn pins(mesh: &TetMesh) -> (Vec<Pin>, Vec<[f64; 2]>) {
+        let locator = TetLocator::new(mesh);
+        let curve =
+            (0..20).map(|k| f64::from(k) / 19.0).map(|t| DVec3::new(t, 0.5 + 0.4 * (5.0 * t).sin(), 0.3));
+        let places: Vec<DVec3> = curve.chain([DVec3::splat(0.05)]).collect();
+        let pins = places.iter().filter_map(|p| locator.find(*p)).map(|(t, b)| Pin::inside(mesh, t, b));
+        (pins.collect(), places.iter().map(|p| [p.x.cos(), p.y * p.x]).collect())
+    }
+
+    #[test]
+    fn iteration_and_factor_agree() {
+        let mesh = mapped(&grid(14), |p| p + 0.1 * DVec3::new(p.y * p.z, p.x * p.x, 0.0));
+        let graph = Graph::new(&mesh);
+        let depth: Vec<f64> = mesh.vertices.iter().map(|p| p.z * p.z).collect();
+        let (pins, targets) = pins(&mesh);
+        let exec = Exec::default();
+        for (depth, pull) in [(None, 0.0), (Some(&depth[..]), 0.0), (None, 1e-5)] {
+            let weights = weights(&graph, depth);
+            let factor = Smoother::new(&mesh, &graph, &weights, &pins, 10.0, pull, &exec).unwrap();
+            let expected = factor.solve(&targets, [0.3, 0.0]).unwrap();
+            let ready = TwoLevel::new(&mesh, &graph, &weights, &pins, 10.0, pull, &exec).unwrap();
+            let found = ready.solve(&factor.right_hand_side(&targets, [0.3, 0.0]), &exec).unwrap();
+            for (a, b) in expected.iter().zip(&found) {
+                assert!((a[0] - b[0]).abs() < 1e-5 && (a[1] - b[1]).abs() < 1e-5, "{a:?} {b:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn threads_do_not_matter_and_parts_keep_apart() {
+        let far = mapped(&grid(8), |p| p + DVec3::X * 5.0);
+        let mesh = both(&grid(8), &far);
+        let graph = Graph::new(&mesh);
+        let weights = weights(&graph, None);
+        let first = crate::mesh::index(9 * 9 * 9);
+        let pins = [Pin::vertex(0), Pin::vertex(first)];
+        let solve = |threads| {
+            let exec = Exec::with_threads(threads).unwrap();
+            exec.install(|| {
+                let ready = TwoLevel::new(&mesh, &graph, &weights, &pins, 10.0, 0.0, &exec).unwrap();
+                let mut rhs = vec![[0.0]; mesh.vertices.len()];
+                rhs[0] = [10.0];
+                rhs[first as usize] = [-20.0];
+                ready.solve(&rhs, &exec).unwrap()
+            })
+        };
+        let one = solve(1);
+        assert_eq!(one, solve(3));
+        // One pin in each part: a constant there.
+        for (v, [x]) in one.iter().enumerate() {
+            let expected = if v < first as usize { 1.0 } else { -2.0 };
+            assert!((x - expected).abs() < 1e-5, "{v}: {x}");
+        }
+    }
+
+    #[test]
+    fn every_vertex_is_in_one_aggregate_and_none_is_large() {
+        let graph = Graph::new(&grid(12));
+        let (aggregate, count) = aggregates(&graph, &weights(&graph, None));
+        let mut sizes = vec![0; count];
+        for a in aggregate {
+            sizes[a as usize] += 1;
+        }
+        assert!(sizes.iter().all(|s| (1..=200).contains(s)), "{sizes:?}");
+        assert!(count > 13 * 13 * 13 / 150);
+    }
+}
