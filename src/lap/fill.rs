@@ -6,12 +6,12 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::clump::{Fit, Ground, Pasted, Seed, Workspace, paste};
-use super::coverage::{MaskTable, POINTS};
+use super::clump::{Ground, Pasted, Seed, Workspace, paste};
+use super::coverage::{Alpha, MaskTable, POINTS};
 use super::frames::TetFrames;
 use super::hide::{Layer, visible};
 use super::kind::TextureType;
-use super::measure::{FillMeasures, sharpness};
+use super::measure::{FillMeasures, Fits, sharpness};
 use super::params::FillParams;
 use super::seed::{spots, turn};
 use super::solid::{LappedSolid, Patch};
@@ -286,7 +286,7 @@ struct Lapped {
     pasted: Vec<Pasted>,
     /// Masks of single patches, numbered after the shared ones.
     own: Vec<AlphaMask>,
-    fit: Vec<Fit>,
+    fit: Fits,
     rounds: usize,
     uncovered: usize,
 }
@@ -299,7 +299,8 @@ fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError>
     let mut open: Vec<u32> = (0..count as u32).collect();
     let spares: Mutex<Vec<Workspace>> = Mutex::new(Vec::new());
     let stage = exec.stage("fill", count as u64);
-    let mut lapped = Lapped { pasted: Vec::new(), own: Vec::new(), fit: Vec::new(), rounds: 0, uncovered: 0 };
+    let mut lapped =
+        Lapped { pasted: Vec::new(), own: Vec::new(), fit: Fits::default(), rounds: 0, uncovered: 0 };
     while !open.is_empty() {
         let length = &ground.frames.length;
         let spots = spots(mesh, &coverage, &open, length, ground.params.spacing, seed, lapped.rounds as u64);
@@ -322,7 +323,7 @@ fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError>
                 .map(|seed| {
                     let spare = spares.lock().ok().and_then(|mut s| s.pop());
                     let mut work = spare.unwrap_or_else(|| Workspace::new(mesh));
-                    let pasted = paste(ground, seed, &mut work);
+                    let pasted = paste(ground, seed, &coverage, &mut work);
                     if let Ok(mut spares) = spares.lock() {
                         spares.push(work);
                     }
@@ -333,8 +334,9 @@ fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError>
                 for (t, alpha) in pasted.tets.iter().zip(&pasted.alpha) {
                     let cover = &mut coverage[*t as usize * POINTS..][..POINTS];
                     match alpha {
-                        None => cover.fill(255),
-                        Some(alpha) => {
+                        Alpha::Nothing => {}
+                        Alpha::Opaque => cover.fill(255),
+                        Alpha::Partial(alpha) => {
                             for (c, a) in cover.iter_mut().zip(alpha.iter()) {
                                 *c = c.saturating_add(*a);
                             }
@@ -353,7 +355,7 @@ fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError>
                     pasted.mask = (ground.masks.len() + lapped.own.len()) as u32;
                     lapped.own.push(own);
                 }
-                lapped.fit.push(std::mem::take(&mut pasted.fit));
+                lapped.fit.add(&std::mem::take(&mut pasted.fit));
                 lapped.pasted.push(pasted);
             }
         }
@@ -374,39 +376,63 @@ fn mask_for(ground: &Ground<'_>, tet: u32, point: u8) -> u32 {
 /// A layer before assembly: its patch and its place in the patch's lists.
 type Slot = (u32, u32);
 
-/// The layers of each tetrahedron that can be seen, oldest first.
+/// The layers of all tetrahedra, oldest first.
+struct Stacks {
+    /// Where those of each tetrahedron begin, and the end.
+    start: Vec<usize>,
+    slots: Vec<Slot>,
+    /// Whether each can be seen.
+    seen: Vec<bool>,
+}
+
+/// The layers of each tetrahedron and which of them can be seen.
 fn stack(
     mesh: &TetMesh,
     masks: &[AlphaMask],
     tables: &[MaskTable],
     pasted: &[Pasted],
     exec: &Exec,
-) -> Result<Vec<(Vec<Slot>, usize)>, FillError> {
-    let mut all: Vec<Vec<Slot>> = vec![Vec::new(); mesh.tets.len()];
+) -> Result<Stacks, FillError> {
+    /// Tetrahedra that one thread takes at a time.
+    const CHUNK: usize = 256;
+    let count = mesh.tets.len();
+    let mut start = vec![0; count + 1];
+    for &t in pasted.iter().flat_map(|p| &p.tets) {
+        start[t as usize + 1] += 1;
+    }
+    for t in 0..count {
+        start[t + 1] += start[t];
+    }
+    let mut end = start.clone();
+    let mut slots: Vec<Slot> = vec![(0, 0); start[count]];
     for (p, patch) in pasted.iter().enumerate() {
         for (slot, &t) in patch.tets.iter().enumerate() {
-            all[t as usize].push((p as u32, slot as u32));
+            slots[end[t as usize]] = (p as u32, slot as u32);
+            end[t as usize] += 1;
         }
     }
     exec.check()?;
     let _stage = exec.stage("hidden layers", 0);
-    Ok(all
+    let seen: Vec<Vec<bool>> = (0..count.div_ceil(CHUNK))
         .into_par_iter()
-        .map(|slots| {
-            let layers: Vec<Layer<'_>> = slots
-                .iter()
-                .map(|&(p, slot)| {
-                    let patch = &pasted[p as usize];
-                    let mask = patch.mask as usize;
-                    Layer { uvw: &patch.uvw[slot as usize], mask: &masks[mask], table: &tables[mask] }
-                })
-                .collect();
-            let seen = visible(&layers);
-            let hidden = seen.iter().filter(|&&s| !s).count();
-            let kept = slots.iter().zip(seen).filter(|(_, seen)| *seen).map(|(slot, _)| *slot).collect();
-            (kept, hidden)
+        .map(|chunk| {
+            exec.check()?;
+            let mut seen = Vec::new();
+            for t in chunk * CHUNK..((chunk + 1) * CHUNK).min(count) {
+                let layers: Vec<Layer<'_>> = slots[start[t]..start[t + 1]]
+                    .iter()
+                    .map(|&(p, slot)| {
+                        let patch = &pasted[p as usize];
+                        let mask = patch.mask as usize;
+                        Layer { uvw: &patch.uvw[slot as usize], mask: &masks[mask], table: &tables[mask] }
+                    })
+                    .collect();
+                seen.extend(visible(&layers));
+            }
+            Ok(seen)
         })
-        .collect())
+        .collect::<Result<_, Cancelled>>()?;
+    Ok(Stacks { start, slots, seen: seen.concat() })
 }
 
 fn assemble(
@@ -416,11 +442,11 @@ fn assemble(
     masks: Vec<AlphaMask>,
     texture: Arc<SolidTexture>,
     pasted: &[Pasted],
-    stacks: &[(Vec<Slot>, usize)],
+    stacks: &Stacks,
 ) -> (LappedSolid, usize) {
     // Patches of which nothing shows are dropped too, and masks of no patch; the others keep their order.
     let mut used = vec![false; pasted.len()];
-    for (p, _) in stacks.iter().flat_map(|s| &s.0) {
+    for ((p, _), _) in stacks.slots.iter().zip(&stacks.seen).filter(|(_, seen)| **seen) {
         used[*p as usize] = true;
     }
     let mut number = vec![0u32; pasted.len()];
@@ -438,16 +464,19 @@ fn assemble(
     }
     let mut masks: Vec<Option<AlphaMask>> = masks.into_iter().map(Some).collect();
     let masks = kept.into_iter().filter_map(|m| masks[m].take()).map(Arc::new).collect();
-    let mut layer_start = vec![0u32];
-    let mut layer_patch = Vec::new();
-    let mut layer_uvw = Vec::new();
-    let mut hidden = 0;
-    for (slots, dropped) in stacks {
-        for &(p, slot) in slots {
-            layer_patch.push(number[p as usize]);
-            layer_uvw.push(pasted[p as usize].uvw[slot as usize]);
+    let layers = stacks.seen.iter().filter(|seen| **seen).count();
+    let hidden = stacks.seen.len() - layers;
+    let mut layer_start = Vec::with_capacity(mesh.tets.len() + 1);
+    layer_start.push(0);
+    let mut layer_patch = Vec::with_capacity(layers);
+    let mut layer_uvw = Vec::with_capacity(layers);
+    for range in stacks.start.windows(2).map(|w| w[0]..w[1]) {
+        for (&(p, slot), seen) in stacks.slots[range.clone()].iter().zip(&stacks.seen[range]) {
+            if *seen {
+                layer_patch.push(number[p as usize]);
+                layer_uvw.push(pasted[p as usize].uvw[slot as usize]);
+            }
         }
-        hidden += dropped;
         layer_start.push(layer_patch.len() as u32);
     }
     let tet_origin = (0..mesh.tets.len() as u32).collect();
