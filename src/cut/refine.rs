@@ -39,7 +39,8 @@ pub(super) fn refine(
     tolerance: f64,
     exec: &Exec,
 ) -> Result<usize, Cancelled> {
-    let most = 4 * parts.parts.len() + 20_000;
+    let whole = parts.reach.place.len() - parts.reach.tets.len();
+    let most = 4 * parts.reach.place.len() + 20_000;
     let mut given_up: Vec<[u32; 2]> = Vec::new();
     let mut active: Vec<u32> = (0..parts.parts.len() as u32).collect();
     for round in 0.. {
@@ -47,14 +48,19 @@ pub(super) fn refine(
         active = active
             .into_par_iter()
             .with_min_len(1024)
-            .filter(|&i| curve.near(parts.corners(&parts.parts[i as usize])))
+            .filter(|&i| {
+                let part = &parts.parts[i as usize];
+                // What the curve does not pass through has no parts that it does, whatever rounding says.
+                let place = parts.reach.place[part.parent as usize];
+                parts.reach.near[place as usize] && curve.near(parts.corners(part))
+            })
             .collect();
         let mut splits = wanted(parts, curve, tolerance, &active);
-        splits.retain(|s| given_up.binary_search(&s.edge).is_err());
+        splits.retain(|s| parts.in_reach(s.edge) && given_up.binary_search(&s.edge).is_err());
         if splits.is_empty() {
             break;
         }
-        if round == ROUNDS || parts.parts.len() > most {
+        if round == ROUNDS || parts.parts.len() + whole > most {
             return Ok(given_up.len() + splits.len());
         }
         active = loop {

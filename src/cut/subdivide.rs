@@ -3,6 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::reach::Reach;
 use crate::mesh::{TetMesh, index, signed_volume};
 
 /// The weights of a part that is a whole tetrahedron.
@@ -47,14 +48,16 @@ impl Split {
     }
 }
 
-/// A mesh whose tetrahedra are being divided.
+/// A mesh whose tetrahedra are being divided. Those out of the sheet's reach stay whole, and have no parts.
 #[derive(Debug)]
 pub(super) struct Subdivision {
+    /// Which tetrahedra may be divided.
+    pub(super) reach: Reach,
     /// The mesh's vertices, then the new ones.
     pub(super) vertices: Vec<DVec3>,
     /// How each new vertex came about.
     pub(super) splits: Vec<Split>,
-    /// The parts; those that a split adds stand at the end.
+    /// The parts of the tetrahedra in reach; those that a split adds stand at the end.
     pub(super) parts: Vec<Part>,
     /// Weights of the parts that are no whole tetrahedra.
     pub(super) weights: Vec<Weights>,
@@ -73,19 +76,20 @@ type Batch = (Vec<u8>, Vec<Slice>, Vec<u32>);
 
 impl Subdivision {
     /// All tetrahedra whole.
-    pub(super) fn new(mesh: &TetMesh) -> Self {
-        let part = |(t, vertices): (usize, &[u32; 4])| Part {
-            vertices: *vertices,
-            parent: index(t),
+    pub(super) fn new(mesh: &TetMesh, reach: Reach) -> Self {
+        let part = |&t: &u32| Part {
+            vertices: mesh.tets[t as usize],
+            parent: t,
             faces: [0, 1, 2, 3],
             weights: WHOLE,
         };
-        Self {
-            vertices: mesh.vertices.clone(),
-            splits: Vec::new(),
-            parts: mesh.tets.iter().enumerate().map(part).collect(),
-            weights: Vec::new(),
-        }
+        let parts = reach.tets.iter().map(part).collect();
+        Self { reach, vertices: mesh.vertices.clone(), splits: Vec::new(), parts, weights: Vec::new() }
+    }
+
+    /// Whether an edge may be split: all tetrahedra around it are in reach.
+    pub(super) fn in_reach(&self, edge: [u32; 2]) -> bool {
+        edge.iter().all(|v| self.reach.passed.get(*v as usize).copied().unwrap_or(true))
     }
 
     /// Corners of a part.

@@ -21,6 +21,7 @@ pub use clean::{CleanError, CleanReport, WELD_TOLERANCE, clean};
 pub use defects::{
     AtEdge, AtTriangle, AtVertex, Crossing, Defects, Found, Hole, MAX_CROSSINGS, PLACES, defects,
 };
+pub(crate) use edges::Merging;
 pub use locate::TetLocator;
 pub(crate) use locate::closest_on_triangle;
 pub use mesher::{Mesher, MesherError, MesherLimits, tetgen_helper};
