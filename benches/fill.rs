@@ -26,6 +26,7 @@ fn fills(c: &mut Criterion) {
             depth: needs.depth.then(|| mesh.vertices.iter().map(|p| 1.0 - p.length().min(1.0)).collect()),
             direction: needs.direction.then(|| vec![DVec3::Z; mesh.vertices.len()]),
             scale: needs.scale.then(|| vec![0.7; mesh.vertices.len()]),
+            ..Fields::default()
         };
         group.bench_function(kind.name(), |b| {
             let params = FillParams::default();

@@ -2,31 +2,121 @@
 
 use std::fs;
 use std::io::{self, Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The largest file that Lapis reads, in bytes (8 GiB).
 pub const MAX_FILE_BYTES: u64 = 8 << 30;
+
+/// A file that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {source}", path.display())]
+pub struct WriteError {
+    /// The file.
+    pub path: PathBuf,
+    /// What the system says.
+    pub source: io::Error,
+}
+
+/// Where the bytes of an output named `path` go: to itself, or, where it is a symbolic link, to the file that
+/// the link leads to, so that the link stays.
+///
+/// # Errors
+/// `InvalidInput` for a pipe, a device and a link to nothing: putting a file in their place would destroy them.
+pub fn destination(path: &Path) -> io::Result<PathBuf> {
+    let refuse = |what: &str| Err(io::Error::new(io::ErrorKind::InvalidInput, what));
+    let about = match fs::symlink_metadata(path) {
+        Ok(about) => about,
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(path.to_owned()),
+        Err(e) => return Err(e),
+    };
+    let (target, about) = if about.is_symlink() {
+        let Ok(target) = fs::canonicalize(path) else {
+            return refuse("it is a link that leads to nothing: remove it, or make what it leads to");
+        };
+        let about = fs::metadata(&target)?;
+        (target, about)
+    } else {
+        (path.to_owned(), about)
+    };
+    if about.is_dir() {
+        return refuse("it is a folder, not a file");
+    }
+    if !about.is_file() {
+        return refuse("it is a pipe or a device, not a file: write to a file, and copy it there");
+    }
+    Ok(target)
+}
 
 /// Writes `bytes` beside `path`, then renames: the file appears whole or not at all, and what
 /// stood there before is kept if anything fails.
 ///
 /// # Errors
-/// Whatever the file system says.
+/// Whatever the file system says; see [`destination`].
 pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let folder = match path.parent() {
+    write_all(&[(path, bytes)]).map_err(|e| e.source)
+}
+
+/// Writes files that belong together: each beside its place, then all are renamed. They appear together or not
+/// at all; what stood in their places is kept, or put back, if anything fails.
+///
+/// # Errors
+/// [`WriteError`] names the file; see [`destination`].
+pub fn write_all(files: &[(&Path, &[u8])]) -> Result<(), WriteError> {
+    let mut beside = Vec::with_capacity(files.len());
+    for &(path, bytes) in files {
+        let prepare = || {
+            let target = destination(path)?;
+            let mut file = tempfile::Builder::new().prefix(".lapis-").tempfile_in(folder_of(&target))?;
+            file.write_all(bytes)?;
+            #[cfg(unix)]
+            {
+                // A temporary file is private to its owner; an output gets the usual mode.
+                use std::os::unix::fs::PermissionsExt;
+                file.as_file().set_permissions(fs::Permissions::from_mode(0o644))?;
+            }
+            Ok((target, file.into_temp_path()))
+        };
+        beside.push(prepare().map_err(|source| WriteError { path: path.to_owned(), source })?);
+    }
+    // A single rename happens or does not. Of several, the first are taken back if a later one fails.
+    let several = files.len() > 1;
+    let mut placed = Vec::new();
+    for ((target, file), (path, _)) in beside.into_iter().zip(files) {
+        let before = if several { second_name(&target) } else { None };
+        if let Err(e) = file.persist(&target) {
+            for (target, before) in placed.into_iter().rev() {
+                take_back(target, before);
+            }
+            return Err(WriteError { path: (*path).to_owned(), source: e.error });
+        }
+        placed.push((target, before));
+    }
+    Ok(())
+}
+
+/// The folder that a file lies in.
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
         Some(p) if !p.as_os_str().is_empty() => p,
         _ => Path::new("."),
-    };
-    let mut beside = tempfile::Builder::new().prefix(".lapis-").tempfile_in(folder)?;
-    beside.write_all(bytes)?;
-    #[cfg(unix)]
-    {
-        // A temporary file is private to its owner; an output gets the usual mode.
-        use std::os::unix::fs::PermissionsExt;
-        beside.as_file().set_permissions(fs::Permissions::from_mode(0o644))?;
     }
-    beside.persist(path).map_err(|e| e.error)?;
-    Ok(())
+}
+
+/// Another name for a file that is about to be replaced; none where there is no such file, or the file system
+/// has no second names.
+fn second_name(path: &Path) -> Option<tempfile::TempPath> {
+    let link = |name: &Path| fs::hard_link(path, name);
+    let made = tempfile::Builder::new().prefix(".lapis-").make_in(folder_of(path), link);
+    made.ok().map(tempfile::NamedTempFile::into_temp_path)
+}
+
+/// Undoes the placing of a file: what stood there before comes back.
+fn take_back(target: PathBuf, before: Option<tempfile::TempPath>) {
+    // An error is on its way to the user already; a second one would only hide it.
+    let _ = match before {
+        Some(old) => old.persist(target).map_err(|e| e.error),
+        None => fs::remove_file(target),
+    };
 }
 
 /// Reads a whole file of at most [`MAX_FILE_BYTES`].
@@ -69,6 +159,57 @@ mod tests {
         write_whole(&path, b"two").unwrap();
         assert_eq!(read_whole(&path).unwrap(), b"two");
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn files_that_belong_together_appear_together() {
+        let dir = tempfile::tempdir().unwrap();
+        let [a, b] = ["a", "b"].map(|n| dir.path().join(n));
+        write_all(&[(&a, b"1"), (&b, b"1")]).unwrap();
+        // The third cannot be written: its folder is missing. Neither of the others changes.
+        let lost = dir.path().join("no/c");
+        let error = write_all(&[(&a, b"2"), (&b, b"2"), (&lost, b"2")]).unwrap_err();
+        assert_eq!(error.path, lost);
+        assert_eq!(read_whole(&a).unwrap(), b"1");
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn what_was_placed_is_taken_back() {
+        let dir = tempfile::tempdir().unwrap();
+        let [old, new] = ["old", "new"].map(|n| dir.path().join(n));
+        fs::write(&old, "before").unwrap();
+        let before = second_name(&old);
+        write_whole(&old, b"after").unwrap();
+        write_whole(&new, b"after").unwrap();
+        assert_eq!(read_whole(&old).unwrap(), b"after");
+        take_back(new.clone(), None);
+        take_back(old.clone(), before);
+        assert_eq!(read_whole(&old).unwrap(), b"before");
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_and_devices_refused() {
+        use std::os::unix::fs::symlink;
+        let dir = tempfile::tempdir().unwrap();
+        let [target, link, lost, device] =
+            ["folder/target", "link", "lost", "device"].map(|n| dir.path().join(n));
+        fs::create_dir(dir.path().join("folder")).unwrap();
+        fs::write(&target, "old").unwrap();
+        symlink("folder/target", &link).unwrap();
+        symlink("nowhere", &lost).unwrap();
+        symlink("/dev/null", &device).unwrap();
+        write_whole(&link, b"new").unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(read_whole(&target).unwrap(), b"new");
+        for path in [&lost, &device, Path::new("/dev/null")] {
+            assert!(write_whole(path, b"new").is_err(), "{path:?}");
+        }
+        assert!(!fs::metadata("/dev/null").unwrap().is_file());
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 4);
+        assert_eq!(fs::read_dir(dir.path().join("folder")).unwrap().count(), 1);
     }
 
     #[test]

@@ -133,7 +133,7 @@ fn wrong_files_are_told_what_is_wrong() {
         ("[direction]", "[fill]\nspacin = 0.3\n[direction]", &["'spacin'", "'spacing'"]),
         ("tets = 300", "tets = \"many\"", &["line 7", "invalid type"]),
         ("type = \"2b\"", "type = \"9\"", &["'9'", "2b"]),
-        ("type = \"2b\"", "type = \"2c\"", &["2c cannot be filled yet"]),
+        ("type = \"2b\"", "type = \"2c\"", &["2c takes no direction", "follow from the fields"]),
         ("type = \"2b\"", "type = \"1a\"", &["1a takes no depth"]),
         ("[direction]\nconstant = [0, 0, 1]", "", &["2b needs direction", "[direction]"]),
         ("constant = [0, 0, 1]", "", &["direction", "constant"]),

@@ -15,12 +15,13 @@ use super::values::{self, Polyline};
 /// `lapis fill MESH --texture VOLUME --type T … -o MODEL.lapis`
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The mesh: OBJ, STL, PLY, OFF, GLB, glTF, or tetrahedra (.node, .ele)
+    /// The mesh: OBJ, STL, PLY, OFF, GLB, glTF, or tetrahedra (.node, .ele, .vtu, .msh)
     mesh: PathBuf,
     /// The solid texture: an .nrrd file, or a folder of PNG slices along z
     #[arg(long, value_name = "VOLUME")]
     texture: PathBuf,
-    /// The texture's type: 0 (isotropic), 1a (along a direction), 2b (with depth, along a direction)
+    /// The texture's type: 0 (isotropic), 1a (along a direction), 1b (with depth), 2a (along a direction and
+    /// the depth's gradient), 2b (with depth, along a direction); 2c and 2d need a project file
     #[arg(long = "type", value_name = "T")]
     kind: TextureType,
     /// Types 1a, 2a, 2b: where the texture's x axis runs
@@ -64,6 +65,8 @@ impl Args {
             depth,
             direction: self.direction.map(DirectionInput::Constant),
             scale: self.scale.map(|everywhere| ScaleInput { everywhere, at: Vec::new() }),
+            along: None,
+            across: None,
             fill: self.fill,
         }
     }

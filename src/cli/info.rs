@@ -65,7 +65,7 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
             })
         }
         _ => Err(Failure::usage(format!(
-            "cannot tell what '{}' is; Lapis reads .obj .stl .ply .off .glb .gltf (meshes), .node .ele \
+            "cannot tell what '{}' is; Lapis reads .obj .stl .ply .off .glb .gltf (meshes), .node .ele .vtu .msh \
              (tetrahedra), .nrrd and folders of .png (volumes), .lapis (models) and .toml (projects, strokes, \
              cameras)",
             path.display()

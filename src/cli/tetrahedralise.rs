@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use lapis::mesh::{TetParams, write_tets};
+use lapis::mesh::{TetParams, tet_file_names, write_tets};
 use lapis::project::{OutputFile, tet_mesh};
 
 use super::failure::Failure;
@@ -11,7 +11,7 @@ use super::options::{Session, Shared};
 /// `lapis tetrahedralise MESH -o OUT [--tets N]`
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The mesh: OBJ, STL, PLY, OFF, GLB or glTF
+    /// The mesh: OBJ, STL, PLY, OFF, GLB or glTF; or tetrahedra (.node, .ele, .vtu, .msh), which are taken as they are
     mesh: PathBuf,
     /// The tetrahedra: a .node file (with its .ele and .face beside it) or a .vtu file
     #[arg(long, short, value_name = "FILE")]
@@ -22,22 +22,10 @@ pub(crate) struct Args {
     shared: Shared,
 }
 
-/// The files that are written for one name.
-fn files(path: &std::path::Path) -> Result<Vec<PathBuf>, Failure> {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-    match extension.as_str() {
-        "vtu" => Ok(vec![path.to_owned()]),
-        "node" | "ele" => Ok(["node", "ele", "face"].map(|e| path.with_extension(e)).to_vec()),
-        _ => Err(Failure::usage(format!(
-            "cannot tell from '{}' what to write; its name must end in .node, .ele or .vtu",
-            path.display()
-        ))),
-    }
-}
-
 pub(crate) fn main(args: &Args) -> Result<(), Failure> {
     args.shared.run(|session| {
-        for file in files(&args.output)? {
+        let files = tet_file_names(&args.output).map_err(|e| Failure::usage(e.to_string()))?;
+        for file in files {
             OutputFile::check(&file, args.shared.force)?;
         }
         let (mesh, mut report) = tet_mesh(&args.mesh, &args.params, &Session::mesher(), session.exec())?;

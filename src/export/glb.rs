@@ -1,10 +1,9 @@
 //! Binary glTF 2.0.
 
-use std::collections::BTreeMap;
-
 use serde_json::json;
 
-use super::{Atlas, AtlasParams, ExportError, single};
+use super::textured::Textured;
+use super::{AtlasParams, ExportError, single};
 use crate::exec::Exec;
 use crate::lap::LappedSolid;
 use crate::mesh::index;
@@ -50,25 +49,13 @@ pub fn glb(solid: &LappedSolid, params: &AtlasParams, exec: &Exec) -> Result<Vec
         .iter()
         .map(|p| single(p.vertex, solid.mesh.vertices[p.vertex as usize]))
         .collect::<Result<Vec<_>, _>>()?;
-    let atlas = Atlas::new(&surface, params, exec)?;
-    exec.check()?;
-
-    // Faces share a vertex where they share point and chart.
-    let mut vertices: BTreeMap<(u32, u32), u32> = BTreeMap::new();
-    let (mut positions, mut normals, mut uvs) = (Vec::new(), Vec::new(), Vec::new());
-    let mut indices: Vec<u32> = Vec::with_capacity(surface.faces.len() * 3);
-    for (f, face) in surface.faces.iter().enumerate() {
-        for (&p, uv) in face.iter().zip(atlas.uv[f]) {
-            let next = index(positions.len());
-            let vertex = *vertices.entry((p, atlas.chart[f])).or_insert(next);
-            if vertex == next {
-                positions.push(places[p as usize]);
-                normals.push(surface.points[p as usize].normal.as_vec3().to_array());
-                uvs.push(uv.as_vec2().to_array());
-            }
-            indices.push(vertex);
-        }
-    }
+    let textured = Textured::new(&surface, params, exec)?;
+    let at = |p: &u32| *p as usize;
+    let positions: Vec<[f32; 3]> = textured.points.iter().map(|p| places[at(p)]).collect();
+    let normals: Vec<[f32; 3]> =
+        textured.points.iter().map(|p| surface.points[at(p)].normal.as_vec3().to_array()).collect();
+    let uvs: Vec<[f32; 2]> = textured.uv.iter().map(|uv| uv.as_vec2().to_array()).collect();
+    let indices: Vec<u32> = textured.faces.as_flattened().to_vec();
     let count = positions.len();
     let extreme = |pick: fn(f32, f32) -> f32| {
         positions.iter().copied().reduce(|a, b| std::array::from_fn(|k| pick(a[k], b[k])))
@@ -88,8 +75,7 @@ pub fn glb(solid: &LappedSolid, params: &AtlasParams, exec: &Exec) -> Result<Vec
         (U32, indices.iter().flat_map(|i| i.to_le_bytes()).collect())
     };
     let index_view = buffer.add(&index_bytes, index_data);
-    let opaque = atlas.picture.rgba.iter().all(|p| p[3] == 255);
-    let image_view = buffer.add(&atlas.picture.png(false), None);
+    let image_view = buffer.add(&textured.picture.png(false), None);
 
     let name = params.name.as_deref().unwrap_or("lapis");
     let mut material = json!({
@@ -98,7 +84,7 @@ pub fn glb(solid: &LappedSolid, params: &AtlasParams, exec: &Exec) -> Result<Vec
             "baseColorTexture": { "index": 0 }, "metallicFactor": 0.0, "roughnessFactor": 0.8
         }
     });
-    if !opaque {
+    if !textured.opaque {
         material["alphaMode"] = json!("BLEND");
     }
     let document = json!({

@@ -1,19 +1,28 @@
-//! Files for other programs: GLB with a baked atlas, PLY with vertex colours.
+//! Files for other programs: GLB and OBJ with a baked atlas, PLY with vertex colours, STL, VTU for ParaView.
 //!
-//! Both show the boundary of a lapped solid, outside and cut faces alike, in the mesh's own axes, with the
+//! All but VTU show the boundary of a lapped solid, outside and cut faces alike, in the mesh's own axes, with the
 //! normals that [`render`](crate::render) uses ([`Surface`](crate::render::Surface)).
 
 mod atlas;
 mod bake;
 mod charts;
+mod format;
 mod glb;
 mod merge;
+mod obj;
 mod pack;
 mod ply;
+mod stl;
+mod textured;
+mod vtu;
 
 pub use atlas::{Atlas, AtlasParams, MAX_ATLAS_SIDE};
+pub use format::{ExportFormat, ExportedFile, export};
 pub use glb::glb;
+pub use obj::{ObjFiles, obj};
 pub use ply::{MAX_PLY_FACES, PlyParams, ply};
+pub use stl::stl;
+pub use vtu::vtu;
 
 use crate::exec::Cancelled;
 
@@ -54,9 +63,14 @@ pub enum ExportError {
         /// Asked level.
         subdivide: u32,
     },
-    /// A GLB holds at most 4 GiB.
-    #[error("the GLB would need {0} bytes; the format ends at 4 GiB")]
+    /// More than the format holds.
+    #[error(
+        "the file would need {0} bytes, more than the format holds; make fewer tetrahedra, or cut the model"
+    )]
     TooLarge(u64),
+    /// A file name that an OBJ or its material cannot name.
+    #[error("the name {0:?} has a control character, which an OBJ file cannot hold; choose another")]
+    Name(String),
     /// The run was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

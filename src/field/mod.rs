@@ -4,6 +4,7 @@
 //! [`scale_field`] spread strokes and local scales by Laplacian smoothing; [`FrameField`] puts them together
 //! to the paper's tensor field.
 
+mod aggregate;
 mod depth;
 mod direction;
 mod eigen;

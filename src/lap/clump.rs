@@ -14,8 +14,8 @@ use glam::{DQuat, DVec3};
 
 use super::coverage::{Alpha, MaskTable, POINTS, Presence, lattice_point, sample_lattice};
 use super::feather::feathered;
-use super::frames::{PatchFrames, TetFrames};
-use super::optimise::{Element, optimise};
+use super::frames::{Frame, PatchFrames, TetFrames};
+use super::optimise::{Element, Given, optimise};
 use super::params::FillParams;
 use super::solid::interpolate;
 use crate::mesh::{NONE, TET_FACES, TetMesh};
@@ -25,8 +25,8 @@ use crate::volume::AlphaMask;
 pub(super) struct Ground<'a> {
     pub(super) mesh: &'a TetMesh,
     pub(super) frames: &'a TetFrames,
-    /// Depth per vertex where the texture varies with it.
-    pub(super) depth: Option<&'a [f64]>,
+    /// The texture coordinates that are fields, per vertex: a texture that varies with depth has y.
+    pub(super) given: Given<'a>,
     pub(super) masks: &'a [AlphaMask],
     pub(super) tables: &'a [MaskTable],
     pub(super) params: &'a FillParams,
@@ -65,6 +65,26 @@ pub(super) struct Fit {
     /// Area of the clump's boundary inside the model, and the part of it where the mask is above 16/255.
     pub(super) edge: f64,
     pub(super) cut_edge: f64,
+}
+
+impl Fit {
+    /// Adds a tetrahedron in which the mask is present: the columns of J·\[R S T\] and its volume.
+    pub(super) fn add(&mut self, columns: &[DVec3; 3], volume: f64) {
+        for (column, axis) in columns.iter().zip(DVec3::AXES) {
+            // A column that vanished points nowhere: as wrong as can be.
+            let cosine = column.try_normalize().map_or(-1.0, |c| c.dot(axis).clamp(-1.0, 1.0));
+            self.angles.push((cosine.acos().to_degrees() as f32, volume));
+        }
+        let det = columns[0].dot(columns[1].cross(columns[2]));
+        self.inverted += usize::from(det <= INVERTED);
+    }
+}
+
+/// J·\[R S T\], column by column, of a tetrahedron whose corners have these texture coordinates.
+pub(super) fn columns(frame: &Frame, gradients: &[DVec3; 4], uvw: &[DVec3; 4]) -> [DVec3; 3] {
+    let f = frame.world_from_texture.transpose();
+    let h = gradients.map(|g| f * g);
+    std::array::from_fn(|c| (0..4).map(|k| uvw[k] * h[k][c]).sum())
 }
 
 /// Where a clump ends at a mask above this, its facets show.
@@ -160,13 +180,14 @@ impl<'a> Clump<'a> {
     ) -> Self {
         let at = lattice_point(seed.point as usize).map(f64::from);
         let tet = ground.mesh.tets[seed.tet as usize];
-        let y = ground.depth.map_or(0.5, |d| (0..4).map(|k| at[k] * d[tet[k] as usize]).sum());
+        let coordinate =
+            |values: Option<&[f64]>| values.map_or(0.5, |d| (0..4).map(|k| at[k] * d[tet[k] as usize]).sum());
         Self {
             ground,
             frames,
             seed,
             at,
-            centre: DVec3::new(0.5, y, 0.5),
+            centre: DVec3::from_array(ground.given.map(coordinate)),
             table: &ground.tables[seed.mask as usize],
             mask: &ground.masks[seed.mask as usize],
             agreement: 1.0,
@@ -205,10 +226,18 @@ impl<'a> Clump<'a> {
         self.add_member(Member { tet: seed, corners });
     }
 
-    fn add_corner(&mut self, vertex: u32, mut uvw: DVec3) -> u32 {
-        if let Some(depth) = self.ground.depth {
-            uvw.y = depth[vertex as usize];
+    /// The place in texture space of a mesh vertex: `uvw`, but for the coordinates that are given.
+    fn with_given(&self, vertex: u32, mut uvw: DVec3) -> DVec3 {
+        for (axis, values) in self.ground.given.into_iter().enumerate() {
+            if let Some(values) = values {
+                uvw[axis] = values[vertex as usize];
+            }
         }
+        uvw
+    }
+
+    fn add_corner(&mut self, vertex: u32, uvw: DVec3) -> u32 {
+        let uvw = self.with_given(vertex, uvw);
         let slot = self.corners.len() as u32;
         let twin = std::mem::replace(&mut self.work.vertex[vertex as usize], slot);
         self.corners.push(Corner { vertex, twin, uvw });
@@ -256,10 +285,7 @@ impl<'a> Clump<'a> {
         }
         let v = tet[apex];
         let step = self.frames.frame(n as usize).texture_from_world * (mesh.vertices[v as usize] - place);
-        let mut predicted = uvw + step;
-        if let Some(depth) = self.ground.depth {
-            predicted.y = depth[v as usize];
-        }
+        let predicted = self.with_given(v, uvw + step);
         let mut best = (SAME.max(step.length()), NONE);
         let mut slot = self.work.vertex[v as usize];
         while slot != NONE {
@@ -333,15 +359,15 @@ impl<'a> Clump<'a> {
                 }
             })
             .collect();
-        let depth: Option<Vec<f64>> =
-            self.ground.depth.map(|d| self.corners.iter().map(|c| d[c.vertex as usize]).collect());
-        let Ok(uvw) = optimise(self.corners.len(), &elements, depth.as_deref()) else {
+        let given: [Option<Vec<f64>>; 3] = (self.ground.given)
+            .map(|values| values.map(|d| self.corners.iter().map(|c| d[c.vertex as usize]).collect()));
+        let Ok(uvw) = optimise(self.corners.len(), &elements, given.each_ref().map(Option::as_deref)) else {
             return false;
         };
         let at: DVec3 = (0..4).map(|k| uvw[self.members[0].corners[k] as usize] * self.at[k]).sum();
         let mut shift = self.centre - at;
-        if depth.is_some() {
-            shift.y = 0.0;
+        for axis in (0..3).filter(|&axis| given[axis].is_some()) {
+            shift[axis] = 0.0;
         }
         for (corner, w) in self.corners.iter_mut().zip(uvw) {
             corner.uvw = w + shift;
@@ -351,10 +377,12 @@ impl<'a> Clump<'a> {
 
     /// J·\[R S T\] of a member, column by column.
     fn columns(&self, m: &Member) -> [DVec3; 3] {
-        let f = self.frames.frame(m.tet as usize).world_from_texture.transpose();
-        let h = self.ground.mesh.gradients(m.tet as usize).map(|g| f * g);
-        let w = m.corners.map(|c| self.corners[c as usize].uvw);
-        std::array::from_fn(|c| (0..4).map(|k| w[k] * h[k][c]).sum())
+        let frame = self.frames.frame(m.tet as usize);
+        columns(
+            &frame,
+            &self.ground.mesh.gradients(m.tet as usize),
+            &m.corners.map(|c| self.corners[c as usize].uvw),
+        )
     }
 
     fn is_bad(&self, m: &Member) -> bool {
@@ -495,15 +523,7 @@ impl<'a> Clump<'a> {
                 }
             };
             if present {
-                let columns = self.columns(m);
-                let volume = mesh.tet_volume(m.tet as usize);
-                for (column, axis) in columns.iter().zip(DVec3::AXES) {
-                    // A column that vanished points nowhere: as wrong as can be.
-                    let cosine = column.try_normalize().map_or(-1.0, |c| c.dot(axis).clamp(-1.0, 1.0));
-                    pasted.fit.angles.push((cosine.acos().to_degrees() as f32, volume));
-                }
-                let det = columns[0].dot(columns[1].cross(columns[2]));
-                pasted.fit.inverted += usize::from(det <= INVERTED);
+                pasted.fit.add(&self.columns(m), mesh.tet_volume(m.tet as usize));
             }
             pasted.tets.push(m.tet);
             pasted.uvw.push(uvw);

@@ -6,15 +6,17 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::assemble::{assemble, stack};
 use super::clump::{Ground, Pasted, Seed, Workspace, paste};
-use super::coverage::{Alpha, MaskTable, POINTS};
+use super::coverage::{Alpha, MaskTable, POINTS, sample_lattice};
 use super::frames::TetFrames;
-use super::hide::{Layer, visible};
 use super::kind::TextureType;
+use super::mapped;
 use super::measure::{FillMeasures, Fits, sharpness};
+use super::optimise::Given;
 use super::params::FillParams;
-use super::seed::{spots, turn};
-use super::solid::{LappedSolid, Patch};
+use super::seed::{Apart, spots, turn};
+use super::solid::LappedSolid;
 use crate::exec::{Cancelled, Exec};
 use crate::mesh::TetMesh;
 use crate::volume::{AlphaMask, SolidTexture};
@@ -22,11 +24,8 @@ use crate::volume::{AlphaMask, SolidTexture};
 /// Why a mesh cannot be filled.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FillError {
-    /// 2c and 2d.
-    #[error("texture type {0} cannot be filled yet: the types that can are 0, 1a, 1b, 2a and 2b")]
-    NotYet(TextureType),
     /// An input that the type draws on is missing.
-    #[error("texture type {kind} needs {input}, and there is none")]
+    #[error("texture type {kind} needs the field '{input}', and there is none")]
     Missing {
         /// The texture type.
         kind: TextureType,
@@ -34,7 +33,7 @@ pub enum FillError {
         input: &'static str,
     },
     /// An input that the type does not draw on.
-    #[error("texture type {kind} does not use {input}: leave it out, or choose a type that does")]
+    #[error("texture type {kind} does not use the field '{input}': leave it out, or choose a type that does")]
     Unused {
         /// The texture type.
         kind: TextureType,
@@ -100,6 +99,37 @@ pub enum FillError {
         /// Enough tetrahedra.
         tets: u64,
     },
+    /// Two fields that are to be texture coordinates rise along one line.
+    #[error(
+        "over {:.0} % of the model, such as near {place}, the fields 'along' and 'depth' do not cross: one of them is \
+         flat there, or both rise along one line; paint them so that they rise in different directions",
+        share * 100.0
+    )]
+    NoCrossing {
+        /// The part of the model's volume.
+        share: f64,
+        /// A place in the middle of it.
+        place: DVec3,
+    },
+    /// Three fields that are to be texture coordinates make no mapping.
+    #[error(
+        "over {:.0} % of the model, such as near {place}, the fields 'along', 'depth' and 'across' turn the texture \
+         {}",
+        share * 100.0,
+        if *mirrored {
+            "into its mirror image: exchange 0 and 1 in what is painted for one of them"
+        } else {
+            "inside out or flat: paint them so that they rise in three different directions everywhere"
+        }
+    )]
+    Folded {
+        /// The part of the model's volume.
+        share: f64,
+        /// A place in the middle of it.
+        place: DVec3,
+        /// Whether the mapping is good but for its sense.
+        mirrored: bool,
+    },
     /// The mesh has no tetrahedra.
     #[error("the mesh has no tetrahedra")]
     Empty,
@@ -118,6 +148,35 @@ pub struct Fields {
     pub direction: Option<Vec<DVec3>>,
     /// World length of one unit of texture.
     pub scale: Option<Vec<f64>>,
+    /// Texture x itself, 0 to 1.
+    pub along: Option<Vec<f64>>,
+    /// Texture z itself, 0 to 1.
+    pub across: Option<Vec<f64>>,
+}
+
+impl Fields {
+    /// The same, as texture coordinates (f32) can hold it: so they follow a given coordinate exactly.
+    fn as_coordinates(&self) -> Self {
+        let round = |field: &Option<Vec<f64>>| {
+            field.as_ref().map(|f| f.iter().map(|&d| f64::from(d as f32)).collect())
+        };
+        Self {
+            depth: round(&self.depth),
+            along: round(&self.along),
+            across: round(&self.across),
+            ..self.clone()
+        }
+    }
+
+    /// The texture coordinates that are given for a texture type.
+    fn given(&self, kind: TextureType) -> Given<'_> {
+        let [x, y, z] = kind.given();
+        [
+            self.along.as_deref().filter(|_| x),
+            self.depth.as_deref().filter(|_| y),
+            self.across.as_deref().filter(|_| z),
+        ]
+    }
 }
 
 /// What a fill did.
@@ -160,36 +219,39 @@ pub fn fill(
 ) -> Result<(LappedSolid, FillReport), FillError> {
     exec.install(|| {
         check(&mesh, kind, fields, params)?;
-        // Texture coordinates are f32: a depth that f32 can hold is followed exactly.
-        let depth: Vec<f64> = match &fields.depth {
-            Some(depth) => depth.iter().map(|&d| f64::from(d as f32)).collect(),
-            None => vec![0.0; mesh.vertices.len()],
-        };
-        let frames =
-            TetFrames::new(&mesh, kind, &depth, fields.direction.as_deref(), fields.scale.as_deref());
-        check_scale(&mesh, &frames, params)?;
-        let masks: Vec<AlphaMask> = if kind.depth_varying() {
-            AlphaMask::depth_varying(&params.mask, seed).into()
-        } else {
-            vec![AlphaMask::splotch(&params.mask, seed)]
+        let fields = fields.as_coordinates();
+        mapped::check(&mesh, fields.given(kind))?;
+        let frames = TetFrames::new(&mesh, kind, &fields);
+        let masks: Vec<AlphaMask> = match kind.given() {
+            [true, _, true] => AlphaMask::new([1; 3], vec![255]).into_iter().collect(),
+            [true, _, false] => vec![AlphaMask::slab(&params.mask, seed)],
+            [false, true, _] => AlphaMask::depth_varying(&params.mask, seed).into(),
+            [false, false, _] => vec![AlphaMask::splotch(&params.mask, seed)],
         };
         let tables: Vec<MaskTable> = masks.iter().map(MaskTable::new).collect();
         let ground = Ground {
             mesh: &mesh,
             frames: &frames,
-            depth: kind.depth_varying().then_some(&depth[..]),
+            given: fields.given(kind),
             masks: &masks,
             tables: &tables,
             params,
         };
-        let mut lapped = lap(&ground, seed, exec)?;
+        let mut lapped = match mapped::one_patch(&ground) {
+            Some(patch) => Lapped::whole(patch, &masks),
+            None => {
+                check_scale(&mesh, &frames, params)?;
+                lap(&ground, seed, exec)?
+            }
+        };
         let own: Vec<MaskTable> = lapped.own.par_iter().map(MaskTable::new).collect();
         let masks: Vec<AlphaMask> = masks.into_iter().chain(std::mem::take(&mut lapped.own)).collect();
         let tables: Vec<MaskTable> = tables.into_iter().chain(own).collect();
         let stacks = stack(&mesh, &masks, &tables, &lapped.pasted, exec)?;
         let frame = frames.at_vertices(&mesh);
+        let depth = fields.depth.clone().unwrap_or_else(|| vec![0.0; mesh.vertices.len()]);
         let (solid, hidden) = assemble(mesh, depth, frame, masks, texture, &lapped.pasted, &stacks);
-        let mut measures = FillMeasures::new(&solid, &lapped.fit, lapped.uncovered, kind.depth_varying());
+        let mut measures = FillMeasures::new(&solid, &lapped.fit, lapped.uncovered, fields.given(kind));
         measures.sharpness = sharpness(&solid, seed, exec)?;
         let report = FillReport {
             tetrahedra: solid.mesh.tets.len(),
@@ -204,22 +266,20 @@ pub fn fill(
 }
 
 fn check(mesh: &TetMesh, kind: TextureType, fields: &Fields, params: &FillParams) -> Result<(), FillError> {
-    if matches!(kind, TextureType::Type2c | TextureType::Type2d) {
-        return Err(FillError::NotYet(kind));
-    }
     if mesh.tets.is_empty() {
         return Err(FillError::Empty);
     }
     if let Some((key, value, range)) = params.fault() {
         return Err(FillError::Setting { key, value, range });
     }
-    let needs = kind.inputs();
-    let given = [
-        ("a depth field", needs.depth, fields.depth.is_some()),
-        ("a direction", needs.direction, fields.direction.is_some()),
-        ("a scale", needs.scale, fields.scale.is_some()),
+    let there = [
+        fields.depth.is_some(),
+        fields.direction.is_some(),
+        fields.scale.is_some(),
+        fields.along.is_some(),
+        fields.across.is_some(),
     ];
-    for (input, needed, there) in given {
+    for ((input, needed), there) in kind.inputs().named().into_iter().zip(there) {
         if needed && !there {
             return Err(FillError::Missing { kind, input });
         }
@@ -231,10 +291,13 @@ fn check(mesh: &TetMesh, kind: TextureType, fields: &Fields, params: &FillParams
     let length = |input, found: usize| {
         if found == count { Ok(()) } else { Err(FillError::Length { input, found, vertices: count }) }
     };
-    if let Some(depth) = &fields.depth {
-        length("depth field", depth.len())?;
-        if let Some(vertex) = depth.iter().position(|d| !(0.0..=1.0).contains(d)) {
-            return Err(FillError::Field { input: "depth field", vertex, found: depth[vertex].to_string() });
+    for (input, field) in
+        [("depth field", &fields.depth), ("field along", &fields.along), ("field across", &fields.across)]
+    {
+        let Some(field) = field else { continue };
+        length(input, field.len())?;
+        if let Some(vertex) = field.iter().position(|d| !(0.0..=1.0).contains(d)) {
+            return Err(FillError::Field { input, vertex, found: field[vertex].to_string() });
         }
     }
     if let Some(direction) = &fields.direction {
@@ -254,11 +317,14 @@ fn check(mesh: &TetMesh, kind: TextureType, fields: &Fields, params: &FillParams
 }
 
 fn check_scale(mesh: &TetMesh, frames: &TetFrames, params: &FillParams) -> Result<(), FillError> {
-    let units: f64 = (0..mesh.tets.len()).map(|t| mesh.tet_volume(t) / frames.length[t].powi(3)).sum();
+    let units: f64 =
+        (0..mesh.tets.len()).map(|t| mesh.tet_volume(t) / frames.lengths(t).element_product()).sum();
     let estimate = units * PATCHES_PER_UNIT;
     if estimate > params.max_patches as f64 {
-        let mean = (mesh.volume() / units).cbrt();
-        let remedy = mean * (estimate / params.max_patches as f64).cbrt() * 1.01;
+        let free = frames.free_axes() as f64;
+        let mean =
+            (0..mesh.tets.len()).map(|t| mesh.tet_volume(t) * frames.length[t]).sum::<f64>() / mesh.volume();
+        let remedy = mean * (estimate / params.max_patches as f64).powf(1.0 / free) * 1.01;
         let estimate = estimate.min(1e18) as u64;
         return Err(FillError::TooManyPatches { estimate, limit: params.max_patches, remedy });
     }
@@ -291,6 +357,21 @@ struct Lapped {
     uncovered: usize,
 }
 
+impl Lapped {
+    /// One patch that fills the whole model.
+    fn whole(mut patch: Pasted, masks: &[AlphaMask]) -> Self {
+        let mut fit = Fits::default();
+        fit.add(&std::mem::take(&mut patch.fit));
+        let bare = |uvw| match sample_lattice(&masks[0], uvw, &[0; POINTS]).0 {
+            Alpha::Opaque => 0,
+            Alpha::Partial(alpha) => alpha.iter().filter(|&&a| a < 255).count(),
+            Alpha::Nothing => POINTS,
+        };
+        let uncovered = patch.uvw.iter().map(bare).sum();
+        Self { pasted: vec![patch], own: Vec::new(), fit, rounds: 1, uncovered }
+    }
+}
+
 /// Pastes patches until every lattice point is covered.
 fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError> {
     let mesh = ground.mesh;
@@ -299,11 +380,16 @@ fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError>
     let mut open: Vec<u32> = (0..count as u32).collect();
     let spares: Mutex<Vec<Workspace>> = Mutex::new(Vec::new());
     let stage = exec.stage("fill", count as u64);
+    let apart = Apart {
+        length: &ground.frames.length,
+        spacing: ground.params.spacing,
+        // A patch whose x and y are both given takes the whole cross-section.
+        along: ground.given[0].is_some().then(|| ground.frames.thirds()),
+    };
     let mut lapped =
         Lapped { pasted: Vec::new(), own: Vec::new(), fit: Fits::default(), rounds: 0, uncovered: 0 };
     while !open.is_empty() {
-        let length = &ground.frames.length;
-        let spots = spots(mesh, &coverage, &open, length, ground.params.spacing, seed, lapped.rounds as u64);
+        let spots = spots(mesh, &coverage, &open, &apart, seed, lapped.rounds as u64);
         for batch in spots.chunks(BATCH) {
             exec.check()?;
             // Spots that an earlier batch of the round has covered need no patch.
@@ -367,132 +453,8 @@ fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError>
 }
 
 fn mask_for(ground: &Ground<'_>, tet: u32, point: u8) -> u32 {
-    let Some(depth) = ground.depth else { return 0 };
+    let (None, Some(depth)) = (ground.given[0], ground.given[1]) else { return 0 };
     let at = super::coverage::lattice_point(point as usize);
     let d: f64 = (0..4).map(|k| f64::from(at[k]) * depth[ground.mesh.tets[tet as usize][k] as usize]).sum();
     AlphaMask::for_depth(d) as u32
-}
-
-/// A layer before assembly: its patch and its place in the patch's lists.
-type Slot = (u32, u32);
-
-/// The layers of all tetrahedra, oldest first.
-struct Stacks {
-    /// Where those of each tetrahedron begin, and the end.
-    start: Vec<usize>,
-    slots: Vec<Slot>,
-    /// Whether each can be seen.
-    seen: Vec<bool>,
-}
-
-/// The layers of each tetrahedron and which of them can be seen.
-fn stack(
-    mesh: &TetMesh,
-    masks: &[AlphaMask],
-    tables: &[MaskTable],
-    pasted: &[Pasted],
-    exec: &Exec,
-) -> Result<Stacks, FillError> {
-    /// Tetrahedra that one thread takes at a time.
-    const CHUNK: usize = 256;
-    let count = mesh.tets.len();
-    let mut start = vec![0; count + 1];
-    for &t in pasted.iter().flat_map(|p| &p.tets) {
-        start[t as usize + 1] += 1;
-    }
-    for t in 0..count {
-        start[t + 1] += start[t];
-    }
-    let mut end = start.clone();
-    let mut slots: Vec<Slot> = vec![(0, 0); start[count]];
-    for (p, patch) in pasted.iter().enumerate() {
-        for (slot, &t) in patch.tets.iter().enumerate() {
-            slots[end[t as usize]] = (p as u32, slot as u32);
-            end[t as usize] += 1;
-        }
-    }
-    exec.check()?;
-    let _stage = exec.stage("hidden layers", 0);
-    let seen: Vec<Vec<bool>> = (0..count.div_ceil(CHUNK))
-        .into_par_iter()
-        .map(|chunk| {
-            exec.check()?;
-            let mut seen = Vec::new();
-            for t in chunk * CHUNK..((chunk + 1) * CHUNK).min(count) {
-                let layers: Vec<Layer<'_>> = slots[start[t]..start[t + 1]]
-                    .iter()
-                    .map(|&(p, slot)| {
-                        let patch = &pasted[p as usize];
-                        let mask = patch.mask as usize;
-                        Layer { uvw: &patch.uvw[slot as usize], mask: &masks[mask], table: &tables[mask] }
-                    })
-                    .collect();
-                seen.extend(visible(&layers));
-            }
-            Ok(seen)
-        })
-        .collect::<Result<_, Cancelled>>()?;
-    Ok(Stacks { start, slots, seen: seen.concat() })
-}
-
-fn assemble(
-    mesh: TetMesh,
-    depth: Vec<f64>,
-    frame: Vec<[DVec3; 3]>,
-    masks: Vec<AlphaMask>,
-    texture: Arc<SolidTexture>,
-    pasted: &[Pasted],
-    stacks: &Stacks,
-) -> (LappedSolid, usize) {
-    // Patches of which nothing shows are dropped too, and masks of no patch; the others keep their order.
-    let mut used = vec![false; pasted.len()];
-    for ((p, _), _) in stacks.slots.iter().zip(&stacks.seen).filter(|(_, seen)| **seen) {
-        used[*p as usize] = true;
-    }
-    let mut number = vec![0u32; pasted.len()];
-    let mut patches = Vec::new();
-    let mut mask_number: Vec<Option<u32>> = vec![None; masks.len()];
-    let mut kept = Vec::new();
-    for (p, _) in used.iter().enumerate().filter(|(_, used)| **used) {
-        number[p] = patches.len() as u32;
-        let mask = pasted[p].mask as usize;
-        let mask = *mask_number[mask].get_or_insert_with(|| {
-            kept.push(mask);
-            kept.len() as u32 - 1
-        });
-        patches.push(Patch { exemplar: 0, mask });
-    }
-    let mut masks: Vec<Option<AlphaMask>> = masks.into_iter().map(Some).collect();
-    let masks = kept.into_iter().filter_map(|m| masks[m].take()).map(Arc::new).collect();
-    let layers = stacks.seen.iter().filter(|seen| **seen).count();
-    let hidden = stacks.seen.len() - layers;
-    let mut layer_start = Vec::with_capacity(mesh.tets.len() + 1);
-    layer_start.push(0);
-    let mut layer_patch = Vec::with_capacity(layers);
-    let mut layer_uvw = Vec::with_capacity(layers);
-    for range in stacks.start.windows(2).map(|w| w[0]..w[1]) {
-        for (&(p, slot), seen) in stacks.slots[range.clone()].iter().zip(&stacks.seen[range]) {
-            if *seen {
-                layer_patch.push(number[p as usize]);
-                layer_uvw.push(pasted[p as usize].uvw[slot as usize]);
-            }
-        }
-        layer_start.push(layer_patch.len() as u32);
-    }
-    let tet_origin = (0..mesh.tets.len() as u32).collect();
-    let solid = LappedSolid {
-        mesh,
-        depth,
-        frame,
-        layer_start,
-        layer_patch,
-        layer_uvw,
-        patches,
-        exemplars: vec![texture],
-        masks,
-        tet_origin,
-        cuts: 0,
-        settings: serde_json::Value::Null,
-    };
-    (solid, hidden)
 }

@@ -5,20 +5,22 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
+use super::fill::Fields;
 use super::kind::TextureType;
+use crate::field::tet_gradients;
 use crate::mesh::TetMesh;
 
 /// The fixed part of the frames: unit axes and lengths in each tetrahedron.
 pub(super) struct TetFrames {
     kind: TextureType,
-    /// Unit R where the type has one (1a, 2a, 2b).
+    /// Unit R where the type has one (all but 0 and 1b).
     r: Vec<DVec3>,
-    /// Unit S where the type has one (1b, 2a, 2b).
+    /// Unit S where the type has one (all but 0 and 1a).
     s: Vec<DVec3>,
-    /// World length of one unit of texture along R and T.
+    /// World length of one unit of texture along the axes whose coordinate is solved for.
     pub(super) length: Vec<f64>,
-    /// The same along S: where the texture varies with depth exactly 1/|∇depth|.
-    s_length: Vec<f64>,
+    /// The same along each axis whose coordinate is given: exactly 1/|∇coordinate|. Empty for the others.
+    given_length: [Vec<f64>; 3],
 }
 
 /// A tetrahedron's frame: columns R, S, T, and its inverse, the wished-for Jacobian.
@@ -38,78 +40,38 @@ const TURN: f64 = 2.0;
 const LEAST: f64 = 0.3;
 
 impl TetFrames {
-    /// `direction` and `scale` are per vertex; `depth` too.
-    pub(super) fn new(
-        mesh: &TetMesh,
-        kind: TextureType,
-        depth: &[f64],
-        direction: Option<&[DVec3]>,
-        scale: Option<&[f64]>,
-    ) -> Self {
+    /// The frames that the fields of this type make.
+    pub(super) fn new(mesh: &TetMesh, kind: TextureType, fields: &Fields) -> Self {
         let tets = mesh.tets.len();
-        let mean =
-            |values: &[f64], t: usize| mesh.tets[t].iter().map(|&v| values[v as usize]).sum::<f64>() / 4.0;
-        let needs = kind.inputs();
-        let mut s = Vec::new();
-        let mut s_length = Vec::new();
-        let mut length: Vec<f64> = match scale {
-            Some(scale) => (0..tets).map(|t| mean(scale, t)).collect(),
-            None => Vec::new(),
+        let [along, depth, across] =
+            [&fields.along, &fields.depth, &fields.across].map(|f| f.as_ref().map(|f| Rise::new(mesh, f)));
+        // Where no scale is given it follows from the coordinate that is given last: z, else the depth.
+        let length: Vec<f64> = match (&fields.scale, across.as_ref().or(depth.as_ref())) {
+            (Some(scale), _) => (0..tets).map(|t| mean(mesh, scale, t)).collect(),
+            (None, Some(rise)) => rise.steady_lengths(mesh),
+            (None, None) => vec![1.0; tets],
         };
-        if needs.depth {
-            let slopes: Vec<DVec3> = (0..tets)
-                .map(|t| {
-                    mesh.gradients(t).iter().zip(mesh.tets[t]).map(|(g, v)| *g * depth[v as usize]).sum()
-                })
-                .collect();
-            let smooth = vertex_means(mesh, &slopes);
-            s = slopes
-                .iter()
-                .enumerate()
-                .map(|(t, slope)| {
-                    // A flat tetrahedron borrows its neighbourhood's direction.
-                    let around: DVec3 = mesh.tets[t].iter().map(|&v| smooth[v as usize]).sum();
-                    let flat = slope.length() <= 1e-6 * around.length();
-                    let best = if flat { around } else { *slope };
-                    best.try_normalize().unwrap_or(DVec3::Y)
-                })
-                .collect();
-            if kind.depth_varying() {
-                let sizes: Vec<f64> = (0..mesh.vertices.len()).map(|v| smooth[v].length()).collect();
-                let means: Vec<f64> = (0..tets).map(|t| mean(&sizes, t)).collect();
-                let mut sorted = means.clone();
-                sorted.sort_by(f64::total_cmp);
-                let median = sorted[sorted.len() / 2].max(f64::MIN_POSITIVE);
-                length = means.iter().map(|m| 1.0 / m.clamp(median / LONGEST, median / SHORTEST)).collect();
-                s_length = slopes
-                    .iter()
-                    .zip(&length)
-                    .map(|(slope, &length)| {
-                        let own = slope.length();
-                        if own * length > 1e-9 { 1.0 / own } else { length }
-                    })
-                    .collect();
-            }
-        }
-        if s_length.is_empty() {
-            s_length.clone_from(&length);
-        }
-        let r = match direction {
-            Some(direction) => (0..tets)
-                .map(|t| {
-                    let sum: DVec3 = mesh.tets[t].iter().map(|&v| direction[v as usize]).sum();
-                    let first = direction[mesh.tets[t][0] as usize];
-                    let r = sum.try_normalize().unwrap_or(first);
-                    match s.get(t) {
-                        Some(s) => perpendicular(r, *s),
-                        None => r,
-                    }
+        let s: Vec<DVec3> = depth.as_ref().map_or_else(Vec::new, |d| d.axes(mesh));
+        let wanted: Vec<DVec3> = match (&fields.direction, &along) {
+            (Some(direction), _) => (mesh.tets.iter())
+                .map(|tet| {
+                    let sum: DVec3 = tet.iter().map(|&v| direction[v as usize]).sum();
+                    sum.try_normalize().unwrap_or(direction[tet[0] as usize])
                 })
                 .collect(),
-            None => Vec::new(),
+            (None, Some(along)) => along.axes(mesh),
+            (None, None) => Vec::new(),
         };
-        let mut frames = Self { kind, r, s, length, s_length };
-        if kind.depth_varying() {
+        let across_s = |(t, r): (usize, DVec3)| s.get(t).map_or(r, |s| perpendicular(r, *s));
+        let r = wanted.into_iter().enumerate().map(across_s).collect();
+        let given = kind.given();
+        let mut rises = [along, depth, across].into_iter().zip(given);
+        let given_length = std::array::from_fn(|_| match rises.next() {
+            Some((Some(rise), true)) => rise.lengths(mesh),
+            _ => Vec::new(),
+        });
+        let mut frames = Self { kind, r, s, length, given_length };
+        if given[1] && !given[0] {
             frames.shorten_where_turning(mesh);
         }
         frames
@@ -169,31 +131,44 @@ impl TetFrames {
     /// made orthogonal again. What the type leaves free is completed by any smooth perpendicular.
     pub(super) fn at_vertices(&self, mesh: &TetMesh) -> Vec<[DVec3; 3]> {
         let count = mesh.vertices.len();
-        let mut sums = vec![(DVec3::ZERO, DVec3::ZERO, 0.0, 0.0, 0.0); count];
+        let mut sums = vec![(DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, 0.0); count];
         for t in 0..mesh.tets.len() {
             let volume = mesh.tet_volume(t);
             for &v in &mesh.tets[t] {
                 let sum = &mut sums[v as usize];
                 sum.0 += self.r.get(t).copied().unwrap_or_default() * volume;
                 sum.1 += self.s.get(t).copied().unwrap_or_default() * volume;
-                sum.2 += self.length[t] * volume;
-                sum.3 += self.s_length[t] * volume;
-                sum.4 += volume;
+                sum.2 += self.lengths(t) * volume;
+                sum.3 += volume;
             }
         }
         sums.into_iter()
-            .map(|(r, s, length, s_length, weight)| {
-                let (length, s_length) =
-                    if weight > 0.0 { (length / weight, s_length / weight) } else { (1.0, 1.0) };
+            .map(|(r, s, lengths, weight)| {
+                let lengths = if weight > 0.0 { lengths / weight } else { DVec3::ONE };
                 let (r, s) = match (r.try_normalize(), s.try_normalize()) {
                     (Some(r), Some(s)) => (perpendicular(r, s), s),
                     (Some(r), None) => (r, perpendicular(DVec3::Y, r)),
                     (None, Some(s)) => (perpendicular(DVec3::X, s), s),
                     (None, None) => (DVec3::X, DVec3::Y),
                 };
-                [r * length, s * s_length, r.cross(s) * length]
+                [r * lengths.x, s * lengths.y, r.cross(s) * lengths.z]
             })
             .collect()
+    }
+
+    /// Unit T in each tetrahedron of a type that has R and S.
+    pub(super) fn thirds(&self) -> Vec<DVec3> {
+        self.r.iter().zip(&self.s).map(|(r, s)| r.cross(*s)).collect()
+    }
+
+    /// How many coordinates are solved for.
+    pub(super) fn free_axes(&self) -> usize {
+        self.given_length.iter().filter(|l| l.is_empty()).count()
+    }
+
+    /// World lengths of one unit of texture along R, S and T in tetrahedron `t`.
+    pub(super) fn lengths(&self, t: usize) -> DVec3 {
+        DVec3::from_array(self.given_length.each_ref().map(|l| l.get(t).copied().unwrap_or(self.length[t])))
     }
 
     fn fixed(&self, t: usize) -> DMat3 {
@@ -229,9 +204,7 @@ impl PatchFrames<'_> {
     /// The frame of tetrahedron `t`.
     pub(super) fn frame(&self, t: usize) -> Frame {
         let axes = self.axes(t);
-        let length = self.frames.length[t];
-        let s_length = self.frames.s_length[t];
-        let lengths = DVec3::new(length, s_length, length);
+        let lengths = self.frames.lengths(t);
         Frame {
             world_from_texture: axes * DMat3::from_diagonal(lengths),
             texture_from_world: DMat3::from_diagonal(lengths.recip()) * axes.transpose(),
@@ -243,6 +216,60 @@ impl PatchFrames<'_> {
         let axes = self.axes(t);
         (0..3).map(|c| axes.col(c).dot(self.axes.col(c))).fold(1.0, f64::min)
     }
+}
+
+/// How a field rises over the mesh.
+struct Rise {
+    /// Its gradient in each tetrahedron.
+    slopes: Vec<DVec3>,
+    /// Means of it at the vertices.
+    smooth: Vec<DVec3>,
+}
+
+impl Rise {
+    fn new(mesh: &TetMesh, field: &[f64]) -> Self {
+        let slopes = tet_gradients(mesh, field);
+        let smooth = vertex_means(mesh, &slopes);
+        Self { slopes, smooth }
+    }
+
+    /// The direction in which it rises in each tetrahedron. A flat one borrows its neighbourhood's.
+    fn axes(&self, mesh: &TetMesh) -> Vec<DVec3> {
+        (self.slopes.iter().zip(&mesh.tets))
+            .map(|(slope, tet)| {
+                let around: DVec3 = tet.iter().map(|&v| self.smooth[v as usize]).sum();
+                let flat = slope.length() <= 1e-6 * around.length();
+                let best = if flat { around } else { *slope };
+                best.try_normalize().unwrap_or(DVec3::Y)
+            })
+            .collect()
+    }
+
+    /// A world length of one unit in each tetrahedron: 1/|∇| of the neighbourhood, cut where it is far from
+    /// the median.
+    fn steady_lengths(&self, mesh: &TetMesh) -> Vec<f64> {
+        let sizes: Vec<f64> = self.smooth.iter().map(|s| s.length()).collect();
+        let means: Vec<f64> = (0..mesh.tets.len()).map(|t| mean(mesh, &sizes, t)).collect();
+        let mut sorted = means.clone();
+        sorted.sort_by(f64::total_cmp);
+        let median = sorted[sorted.len() / 2].max(f64::MIN_POSITIVE);
+        means.iter().map(|m| 1.0 / m.clamp(median / LONGEST, median / SHORTEST)).collect()
+    }
+
+    /// 1/|∇| in each tetrahedron; where it is flat, the steady length.
+    fn lengths(&self, mesh: &TetMesh) -> Vec<f64> {
+        (self.slopes.iter().zip(self.steady_lengths(mesh)))
+            .map(|(slope, steady)| {
+                let own = slope.length();
+                if own * steady > 1e-9 { 1.0 / own } else { steady }
+            })
+            .collect()
+    }
+}
+
+/// The mean of a field in tetrahedron `t`.
+fn mean(mesh: &TetMesh, values: &[f64], t: usize) -> f64 {
+    mesh.tets[t].iter().map(|&v| values[v as usize]).sum::<f64>() / 4.0
 }
 
 /// The unit vector nearest to `v` that is perpendicular to the unit vector `axis`; any such where `v` is

@@ -67,19 +67,29 @@ pub(super) fn visible(layers: &[Layer<'_>]) -> Vec<bool> {
 }
 
 fn look(layers: &[Layer<'_>], cell: &[[f32; 4]; 4], among: &[usize], divisions: u32, seen: &mut [bool]) {
-    // What is older than the oldest in doubt hides none of those.
-    let Some(doubtful) = among.iter().rposition(|&n| !seen[n]) else { return };
+    let over = |n: usize| layers[n].table.over_points(&cell.map(|b| interpolate(layers[n].uvw, b)));
+    // Only layers in doubt count, and what is newer and may hide them.
+    let doubts: Vec<(usize, Presence)> = among
+        .iter()
+        .filter(|&&n| !seen[n])
+        .map(|&n| (n, over(n)))
+        .filter(|(_, presence)| *presence != Presence::Absent)
+        .collect();
+    let Some(&(oldest, _)) = doubts.last() else { return };
     // From the newest down to the first that is opaque all over the cell.
-    let mut present = Vec::with_capacity(doubtful + 1);
-    for &n in &among[..=doubtful] {
-        let corners = cell.map(|b| interpolate(layers[n].uvw, b));
-        match layers[n].table.over_points(&corners) {
-            Presence::Absent => {}
-            Presence::Partial => present.push(n),
-            Presence::Opaque => {
-                present.push(n);
-                break;
-            }
+    let mut present = Vec::with_capacity(among.len());
+    let mut known = doubts.iter().peekable();
+    for &n in among {
+        let presence = match known.next_if(|(doubt, _)| *doubt == n) {
+            Some((_, presence)) => *presence,
+            None if seen[n] => over(n),
+            None => Presence::Absent,
+        };
+        if presence != Presence::Absent {
+            present.push(n);
+        }
+        if presence == Presence::Opaque || n == oldest {
+            break;
         }
     }
     if present.iter().all(|&n| seen[n]) {

@@ -20,21 +20,39 @@ pub enum TextureType {
     Type2a,
     /// As 2a, and texture y *is* the depth.
     Type2b,
-    /// Varying along two directions.
+    /// Varying along two directions: texture y is the depth, texture x the field `along`.
     Type2c,
-    /// Varying along all three directions.
+    /// Varying along all three directions: the fields `along`, depth and `across` are the mapping.
     Type2d,
 }
 
 /// Which inputs a texture type draws on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Inputs {
-    /// A depth field.
+    /// A depth field: texture y.
     pub depth: bool,
     /// A direction field.
     pub direction: bool,
-    /// A scale; the others take theirs from the depth.
+    /// A scale; the others take theirs from the fields that are given.
     pub scale: bool,
+    /// A field that is texture x.
+    pub along: bool,
+    /// A field that is texture z.
+    pub across: bool,
+}
+
+impl Inputs {
+    /// All of them by name, as the tables of a project file are called, and whether the type draws on it.
+    #[must_use]
+    pub fn named(self) -> [(&'static str, bool); 5] {
+        [
+            ("depth", self.depth),
+            ("direction", self.direction),
+            ("scale", self.scale),
+            ("along", self.along),
+            ("across", self.across),
+        ]
+    }
 }
 
 impl TextureType {
@@ -59,20 +77,21 @@ impl TextureType {
     /// What it needs; an input that it does not need is refused.
     #[must_use]
     pub fn inputs(self) -> Inputs {
-        let (depth, direction, scale) = match self {
-            Self::Type0 => (false, false, true),
-            Self::Type1a => (false, true, true),
-            Self::Type1b => (true, false, false),
-            Self::Type2a => (true, true, true),
-            Self::Type2b | Self::Type2c | Self::Type2d => (true, true, false),
-        };
-        Inputs { depth, direction, scale }
+        Inputs {
+            depth: !matches!(self, Self::Type0 | Self::Type1a),
+            direction: matches!(self, Self::Type1a | Self::Type2a | Self::Type2b),
+            scale: matches!(self, Self::Type0 | Self::Type1a | Self::Type2a | Self::Type2c),
+            along: matches!(self, Self::Type2c | Self::Type2d),
+            across: matches!(self, Self::Type2d),
+        }
     }
 
-    /// Whether texture y is the depth field itself \[LST 5.2.7\].
+    /// Which of the texture's coordinates x, y, z *are* fields (`along`, depth, `across`) \[LST 5.2.7\]; the
+    /// others are solved for.
     #[must_use]
-    pub fn depth_varying(self) -> bool {
-        matches!(self, Self::Type1b | Self::Type2b | Self::Type2c | Self::Type2d)
+    pub fn given(self) -> [bool; 3] {
+        let needs = self.inputs();
+        [needs.along, needs.depth && self != Self::Type2a, needs.across]
     }
 }
 

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::clump::Fit;
+use super::optimise::Given;
 use super::solid::{LappedSolid, interpolate};
 use crate::exec::{Cancelled, Exec};
 use crate::mesh::NONE;
@@ -28,7 +29,8 @@ pub struct FillMeasures {
     pub uncovered: usize,
     /// The part of the clumps' boundary inside the model where the mask is above 16/255: facet seams.
     pub clump_edge_share: f64,
-    /// The largest difference between the texture's depth and the depth field at a vertex.
+    /// The largest difference at a vertex between a texture coordinate that is given (the depth; `along`,
+    /// `across`) and its field.
     pub depth_error: f64,
     /// Mean gradient of the filled model over that of its solid texture at the same places: below 1 is blur.
     pub sharpness: f64,
@@ -69,7 +71,7 @@ impl Fits {
 }
 
 impl FillMeasures {
-    pub(super) fn new(solid: &LappedSolid, fits: &Fits, uncovered: usize, depth_varying: bool) -> Self {
+    pub(super) fn new(solid: &LappedSolid, fits: &Fits, uncovered: usize, given: Given<'_>) -> Self {
         let tets = solid.mesh.tets.len();
         let counts = (0..tets).map(|t| solid.layers(t).len());
         let layers_max = counts.clone().max().unwrap_or(0);
@@ -80,11 +82,12 @@ impl FillMeasures {
             below >= 0.95 * fits.weight
         });
         let mut depth_error = 0.0f64;
-        if depth_varying {
+        for (axis, field) in given.into_iter().enumerate() {
+            let Some(field) = field else { continue };
             for t in 0..tets {
                 for uvw in &solid.layer_uvw[solid.layers(t)] {
                     for (w, v) in uvw.iter().zip(solid.mesh.tets[t]) {
-                        depth_error = depth_error.max((f64::from(w[1]) - solid.depth[v as usize]).abs());
+                        depth_error = depth_error.max((f64::from(w[axis]) - field[v as usize]).abs());
                     }
                 }
             }

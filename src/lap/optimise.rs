@@ -3,7 +3,8 @@
 //!
 //! Minimised is Σ vol(T) |J_T F_T − I|², F the frame's columns: with h_j = Fᵀ∇λ_j the matrix is
 //! Σ vol h_a·h_b for every coordinate, and the right-hand side of coordinate c is Σ vol h_a\[c\]. One vertex
-//! is pinned; the caller translates the solution so that the seed point gets its place exactly.
+//! is pinned; the caller translates the solution so that the seed point gets its place exactly. Coordinates
+//! that are given (a texture's depth, say) are not solved for.
 
 use glam::DVec3;
 
@@ -17,17 +18,19 @@ pub(super) struct Element {
     pub(super) h: [DVec3; 4],
 }
 
-/// The optimal coordinates of `count` vertices, up to a translation. With `depth` (one value a vertex)
-/// the second coordinate is given and only the other two are solved for.
+/// Coordinates x, y, z that are given, one value a vertex, instead of solved for.
+pub(super) type Given<'a> = [Option<&'a [f64]>; 3];
+
+/// The optimal coordinates of `count` vertices: those `given`, and the others up to a translation.
 ///
 /// # Errors
 /// [`SolveError`] where the clump is degenerate.
 pub(super) fn optimise(
     count: usize,
     elements: &[Element],
-    depth: Option<&[f64]>,
+    given: Given<'_>,
 ) -> Result<Vec<DVec3>, SolveError> {
-    let axes: &[usize] = if depth.is_some() { &[0, 2] } else { &[0, 1, 2] };
+    let axes: Vec<usize> = (0..3).filter(|&axis| given[axis].is_none()).collect();
     // Vertex 0 is pinned at the origin: unknowns are the others.
     let unknowns = count - 1;
     let mut entries = Vec::with_capacity(elements.len() * 10);
@@ -54,9 +57,9 @@ pub(super) fn optimise(
             solution[v + 1][axis] = rhs[n * unknowns + v];
         }
     }
-    if let Some(depth) = depth {
-        for (w, &d) in solution.iter_mut().zip(depth) {
-            w.y = d;
+    for (axis, values) in given.into_iter().enumerate() {
+        for (w, &value) in solution.iter_mut().zip(values.unwrap_or_default()) {
+            w[axis] = value;
         }
     }
     Ok(solution)
@@ -106,7 +109,7 @@ mod tests {
             DVec3::new(0.0, 0.0, 3.0),
         );
         let (p, elements) = pair([f, f]);
-        let w = optimise(5, &elements, None).unwrap();
+        let w = optimise(5, &elements, [None; 3]).unwrap();
         let inverse = f.inverse();
         for v in 0..5 {
             assert!((w[v] - inverse * (p[v] - p[0])).length() < 1e-12);
@@ -117,7 +120,7 @@ mod tests {
     fn the_solution_is_a_minimum() {
         let turned = DMat3::from_axis_angle(DVec3::new(1.0, 2.0, 0.5).normalize(), 0.7);
         let (_, elements) = pair([DMat3::IDENTITY, turned]);
-        let w = optimise(5, &elements, None).unwrap();
+        let w = optimise(5, &elements, [None; 3]).unwrap();
         let best = energy(&elements, &w);
         for v in 1..5 {
             for axis in DVec3::AXES {
@@ -131,11 +134,18 @@ mod tests {
     }
 
     #[test]
-    fn a_given_depth_stays() {
+    fn given_coordinates_stay() {
         let (_, elements) = pair([DMat3::IDENTITY; 2]);
         let depth = [0.1, 0.2, 0.9, 0.4, 0.7];
-        let w = optimise(5, &elements, Some(&depth)).unwrap();
+        let w = optimise(5, &elements, [None, Some(&depth), None]).unwrap();
         assert_eq!(w.iter().map(|w| w.y).collect::<Vec<_>>(), depth);
         assert!((w[1].x - w[0].x - 1.0).abs() < 1e-12);
+        let along = [0.5, 0.1, 0.3, 0.2, 0.6];
+        let w = optimise(5, &elements, [Some(&along), Some(&depth), None]).unwrap();
+        assert_eq!(
+            w.iter().map(|w| [w.x, w.y]).collect::<Vec<_>>(),
+            [0, 1, 2, 3, 4].map(|v| [along[v], depth[v]])
+        );
+        assert!((w[3].z - w[0].z - 1.0).abs() < 1e-12);
     }
 }

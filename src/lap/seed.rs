@@ -17,20 +17,30 @@ pub(super) struct Spot {
     pub(super) point: u8,
 }
 
-/// A greedy maximal set of uncovered points, one a tetrahedron, no two closer than `apart` texture units
-/// (measured with the later one's `length`), in an order that depends on `seed` and `round` alone.
+/// How far apart seeds of one round lie.
+pub(super) struct Apart<'a> {
+    /// World length of one unit of texture in each tetrahedron.
+    pub(super) length: &'a [f64],
+    /// The least distance, in units of texture.
+    pub(super) spacing: f64,
+    /// Distance counts along this unit vector of each tetrahedron only.
+    pub(super) along: Option<Vec<DVec3>>,
+}
+
+/// A greedy maximal set of uncovered points, one a tetrahedron, no two closer than `apart` says (measured in the
+/// later one's tetrahedron), in an order that depends on `seed` and `round` alone.
 pub(super) fn spots(
     mesh: &TetMesh,
     coverage: &[u8],
     open: &[u32],
-    length: &[f64],
-    apart: f64,
+    apart: &Apart<'_>,
     seed: u64,
     round: u64,
 ) -> Vec<Spot> {
     let mut order: Vec<(u64, u32)> = open.iter().map(|&t| (mix(seed, round, t.into()), t)).collect();
     order.sort_unstable();
     let mut taken: RTree<GeomWithData<[f64; 3], ()>> = RTree::new();
+    let mut sections: Vec<DVec3> = Vec::new();
     let mut spots = Vec::new();
     for (priority, t) in order {
         let cover = &coverage[t as usize * POINTS..][..POINTS];
@@ -41,8 +51,14 @@ pub(super) fn spots(
         let at = lattice_point(point).map(f64::from);
         let corners = mesh.corners(t as usize);
         let position: DVec3 = (0..4).map(|k| corners[k] * at[k]).sum();
-        let radius = apart * length[t as usize];
-        if taken.locate_within_distance(position.to_array(), radius * radius).next().is_none() {
+        let radius = apart.spacing * apart.length[t as usize];
+        if let Some(along) = &apart.along {
+            let along = along[t as usize];
+            if sections.iter().all(|s| (*s - position).dot(along).abs() > radius) {
+                sections.push(position);
+                spots.push(Spot { tet: t, point: point as u8 });
+            }
+        } else if taken.locate_within_distance(position.to_array(), radius * radius).next().is_none() {
             taken.insert(GeomWithData::new(position.to_array(), ()));
             spots.push(Spot { tet: t, point: point as u8 });
         }

@@ -31,6 +31,8 @@ fn fields(mesh: &TetMesh, kind: TextureType, scale: f64) -> Fields {
             mesh.vertices.iter().map(turned).collect()
         }),
         scale: needs.scale.then(|| vec![scale; mesh.vertices.len()]),
+        along: None,
+        across: None,
     }
 }
 
@@ -38,7 +40,7 @@ fn filled(kind: TextureType, threads: usize) -> (LappedSolid, FillReport) {
     let mesh = ball(2, 6);
     let fields = fields(&mesh, kind, 0.8);
     let exec = Exec::with_threads(threads).unwrap();
-    fill(mesh, texture([true, !kind.depth_varying(), true]), kind, &fields, &FillParams::default(), 7, &exec)
+    fill(mesh, texture(kind.given().map(|given| !given)), kind, &fields, &FillParams::default(), 7, &exec)
         .unwrap()
 }
 
@@ -121,10 +123,9 @@ fn inputs_are_checked_by_name() {
     assert_eq!(run(TextureType::Type1a, &good, &params), Ok(()));
     assert!(matches!(
         run(TextureType::Type0, &good, &params),
-        Err(FillError::Unused { input: "a direction", .. })
+        Err(FillError::Unused { input: "direction", .. })
     ));
     assert!(matches!(run(TextureType::Type2a, &good, &params), Err(FillError::Missing { .. })));
-    assert!(matches!(run(TextureType::Type2c, &good, &params), Err(FillError::NotYet(_))));
     let tiny = fields(&mesh, TextureType::Type1a, 1e-3);
     assert!(matches!(run(TextureType::Type1a, &tiny, &params), Err(FillError::TooManyPatches { .. })));
     let small = fields(&mesh, TextureType::Type1a, 0.1);

@@ -28,10 +28,14 @@ pub use mesher::{Mesher, MesherError, MesherLimits, tetgen_helper};
 pub use read::{MAX_MESH_ELEMENTS, MESH_EXTENSIONS, MeshFault, MeshReadError, Place, read};
 pub(crate) use tet::index;
 pub use tet::{BoundaryFace, FaceOrigin, NONE, TET_FACES, TetMesh, TopologyError, gradients, signed_volume};
-pub use tet_files::{TetFileError, read_tets, write_tets};
+pub use tet_files::{
+    TET_EXTENSIONS, TetFileError, VtuField, VtuValues, read_tets, tet_file_names, write_tets, write_vtu,
+};
 pub use tetrahedralise::{
-    MAX_TETS, Simplified, TetError, TetParams, TetReport, tetrahedralise, tetrahedralise_within,
+    MAX_TETS, Simplified, SplitError, Splits, TetError, TetParams, TetReport, split_for_depth,
+    tetrahedralise, tetrahedralise_within,
 };
 pub use tri::TriMesh;
 pub use wear::{Material, Region, RegionError, RegionKind, Wear, WornPicture};
+pub(crate) use write::Shortest;
 pub use write::write_obj;

@@ -19,8 +19,8 @@ pub fn write_obj(mesh: &TriMesh) -> Vec<u8> {
     bytes
 }
 
-/// `Display` gives 300 zeros where an exponent is shorter.
-struct Shortest(f64);
+/// A number in the fewest digits that give it back. `Display` alone gives 300 zeros where an exponent is shorter.
+pub(crate) struct Shortest(pub(crate) f64);
 
 impl std::fmt::Display for Shortest {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

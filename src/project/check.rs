@@ -78,19 +78,20 @@ fn finite(key: &str, points: &[DVec3]) -> Result<(), ProjectProblem> {
     }
 }
 
-pub(super) fn depth(table: DepthTable) -> Result<DepthInput, ProjectProblem> {
+/// `name` is the table's: `depth`, `along` or `across`.
+pub(super) fn depth(name: &str, table: DepthTable) -> Result<DepthInput, ProjectProblem> {
     let check = |key: String, value: f64| {
         if (0.0..=1.0).contains(&value) {
             return Ok(());
         }
-        Err(ProjectProblem::Range { key, value, range: "a depth lies between 0 (outside) and 1 (innermost)" })
+        Err(ProjectProblem::Range { key, value, range: "it lies between 0 (outside) and 1 (innermost)" })
     };
     if let Some(skin) = table.skin {
-        check("depth.skin".to_owned(), skin)?;
+        check(format!("{name}.skin"), skin)?;
     }
     for (i, line) in table.stroke.iter().enumerate() {
-        check(format!("depth.stroke[{i}].depth"), line.depth)?;
-        finite(&format!("depth.stroke[{i}].points"), &line.points)?;
+        check(format!("{name}.stroke[{i}].depth"), line.depth)?;
+        finite(&format!("{name}.stroke[{i}].points"), &line.points)?;
     }
     Ok(DepthInput { paint: DepthPaint { skin: table.skin, strokes: table.stroke }, params: table.fit })
 }
@@ -229,6 +230,9 @@ pub(super) fn picture(mut entry: PictureEntry, names: &Names) -> Result<Picture,
 pub(super) fn settings(fill: &FillParams, export: &ExportEntry) -> Result<(), ProjectProblem> {
     if let Some((key, value, range)) = fill.fault() {
         return Err(ProjectProblem::Range { key: format!("fill.{key}"), value, range });
+    }
+    if let Some(name) = repeated(export.formats.iter().map(|f| f.extension())) {
+        return Err(ProjectProblem::Twice { kind: "export format", name: name.to_owned() });
     }
     export
         .atlas

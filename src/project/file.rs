@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::cut::CutParams;
-use crate::export::{AtlasParams, PlyParams};
+use crate::export::{AtlasParams, ExportFormat, PlyParams};
 use crate::field::{DepthParams, DepthStroke, DirectionParams, DirectionStroke, ScaleAt};
 use crate::lap::{FillParams, TextureType};
 use crate::mesh::TetParams;
@@ -25,6 +25,8 @@ pub(super) struct ProjectFile {
     pub(super) depth: Option<DepthTable>,
     pub(super) direction: Option<DirectionTable>,
     pub(super) scale: Option<ScaleTable>,
+    pub(super) along: Option<DepthTable>,
+    pub(super) across: Option<DepthTable>,
     #[serde(default)]
     pub(super) fill: FillParams,
     #[serde(default)]
@@ -58,7 +60,7 @@ pub(super) struct TextureTable {
     pub(super) kind: TextureType,
 }
 
-/// `[depth]`: where the texture's second axis runs.
+/// `[depth]`: where the texture's second axis runs; `[along]` and `[across]`: the first and the third.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct DepthTable {
@@ -156,7 +158,7 @@ fn show_whole() -> Vec<String> {
 pub struct ExportEntry {
     /// The formats.
     pub formats: Vec<ExportFormat>,
-    /// How the GLB's texture is baked.
+    /// How the texture of GLB and OBJ is baked.
     pub atlas: AtlasParams,
     /// How the PLY's vertices are made.
     pub ply: PlyParams,
@@ -165,29 +167,5 @@ pub struct ExportEntry {
 impl Default for ExportEntry {
     fn default() -> Self {
         Self { formats: vec![ExportFormat::Glb], atlas: AtlasParams::default(), ply: PlyParams::default() }
-    }
-}
-
-/// A format that models are exported to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum ExportFormat {
-    /// Binary glTF with a baked texture atlas.
-    Glb,
-    /// PLY with vertex colours.
-    Ply,
-}
-
-impl ExportFormat {
-    /// All formats.
-    pub const ALL: [Self; 2] = [Self::Glb, Self::Ply];
-
-    /// The file name's extension, without the dot.
-    #[must_use]
-    pub fn extension(self) -> &'static str {
-        match self {
-            Self::Glb => "glb",
-            Self::Ply => "ply",
-        }
     }
 }

@@ -14,7 +14,7 @@ mod report;
 mod run;
 mod unknown;
 
-pub use file::{CutEntry, ExportEntry, ExportFormat, PictureEntry};
+pub use file::{CutEntry, ExportEntry, PictureEntry};
 pub use output::{OutputError, OutputFile, OutputFolder};
 pub use part::{DepthInput, DirectionInput, Part, PartError, ScaleInput, fill_part, is_tet_file, tet_mesh};
 pub use plan::{Along, Cut, Model, Picture, Project};

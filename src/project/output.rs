@@ -5,7 +5,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::files::write_whole;
+use crate::files::{destination, write_all, write_whole};
 
 /// An output that cannot be written, or must not be.
 #[derive(Debug, thiserror::Error)]
@@ -25,6 +25,17 @@ pub enum OutputError {
     /// The path names nothing that could be written.
     #[error("'{}' is no name for an output", .0.display())]
     NoName(PathBuf),
+    /// Something stands there that must not be replaced by a file.
+    #[error("{} cannot be written to: {source}", path.display())]
+    Special {
+        /// The output.
+        path: PathBuf,
+        /// What it is: a pipe, a device, or a link to nothing.
+        source: io::Error,
+    },
+    /// One run makes two files of one name.
+    #[error("two of the outputs are named {}; give one of them another name", .0.display())]
+    Twice(PathBuf),
     /// The system refused.
     #[error("cannot write {}", path.display())]
     Io {
@@ -44,6 +55,11 @@ fn parent(path: &Path) -> &Path {
         Some(p) if !p.as_os_str().is_empty() => p,
         _ => Path::new("."),
     }
+}
+
+/// Where a file of this name goes; see [`destination`].
+fn resolve(path: &Path) -> Result<PathBuf, OutputError> {
+    destination(path).map_err(|source| OutputError::Special { path: path.to_owned(), source })
 }
 
 /// Checks that a new file can be made in `folder`, which must exist.
@@ -69,7 +85,7 @@ pub struct OutputFile {
 
 impl OutputFile {
     /// Checks that `path` can be written: its folder exists and takes files, and nothing stands there
-    /// unless `force` allows overwriting it.
+    /// unless `force` allows overwriting it. A symbolic link is written through.
     ///
     /// # Errors
     /// [`OutputError`] says what stands in the way.
@@ -79,12 +95,16 @@ impl OutputFile {
         }
         match fs::symlink_metadata(path) {
             Ok(_) if path.is_dir() => return Err(OutputError::IsFolder(path.to_owned())),
-            Ok(_) if !force => return Err(OutputError::Exists(path.to_owned())),
-            Ok(_) => {}
+            Ok(_) => {
+                resolve(path)?;
+                if !force {
+                    return Err(OutputError::Exists(path.to_owned()));
+                }
+            }
             Err(e) if e.kind() == io::ErrorKind::NotFound => {}
             Err(e) => return Err(io_error(path)(e)),
         }
-        check_writable(parent(path), path)?;
+        check_writable(parent(&resolve(path)?), path)?;
         Ok(Self { path: path.to_owned() })
     }
 
@@ -100,6 +120,15 @@ impl OutputFile {
     /// [`OutputError::Io`].
     pub fn write(&self, bytes: &[u8]) -> Result<(), OutputError> {
         write_whole(&self.path, bytes).map_err(io_error(&self.path))
+    }
+
+    /// Writes files that belong together: all of them or none.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`] names the one that cannot be written.
+    pub fn write_all<'a>(files: impl IntoIterator<Item = (&'a Self, &'a [u8])>) -> Result<(), OutputError> {
+        let files: Vec<(&Path, &[u8])> = files.into_iter().map(|(f, bytes)| (f.path(), bytes)).collect();
+        write_all(&files).map_err(|e| OutputError::Io { path: e.path, source: e.source })
     }
 }
 
@@ -151,9 +180,12 @@ impl OutputFolder {
     /// Collects one file, beside the folder.
     ///
     /// # Errors
-    /// [`OutputError::Io`].
+    /// [`OutputError::Io`]; [`OutputError::Twice`] for a name that was added before.
     pub fn add(&mut self, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
         let target = self.path.join(name);
+        if self.names.iter().any(|n| n == name) {
+            return Err(OutputError::Twice(target));
+        }
         write_whole(&self.beside.path().join(name), bytes).map_err(io_error(&target))?;
         self.names.push(name.into());
         Ok(())
@@ -172,6 +204,12 @@ impl OutputFolder {
             }
             if fs::symlink_metadata(&target).is_ok() && !name.to_str().is_some_and(&may_replace) {
                 return Err(OutputError::Exists(target));
+            }
+            // A rename would put a file in the place of a link or a device.
+            if resolve(&target)? != target {
+                let what = "it is a link: remove it, or let it stand elsewhere";
+                let source = io::Error::new(io::ErrorKind::InvalidInput, what);
+                return Err(OutputError::Special { path: target, source });
             }
         }
         fs::create_dir_all(&self.path).map_err(io_error(&self.path))?;

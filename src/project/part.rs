@@ -15,8 +15,8 @@ use crate::field::{
 };
 use crate::lap::{self, Fields, FillError, FillParams, LappedSolid, TextureType};
 use crate::mesh::{
-    self, CleanError, CleanReport, MeshReadError, Mesher, TetError, TetFileError, TetMesh, TetParams,
-    TetReport,
+    self, CleanError, CleanReport, MeshReadError, Mesher, SplitError, TetError, TetFileError, TetMesh,
+    TetParams, TetReport,
 };
 use crate::project::Report;
 use crate::volume::{self, VolumeReadError};
@@ -24,7 +24,7 @@ use crate::volume::{self, VolumeReadError};
 /// All that makes one filled model.
 #[derive(Debug, Clone)]
 pub struct Part {
-    /// The mesh file: a surface, or tetrahedra (`.node`, `.ele`), which are taken as they are.
+    /// The mesh file: a surface, or tetrahedra (`.node`, `.ele`, `.vtu`, `.msh`), which are taken as they are.
     pub mesh: PathBuf,
     /// How the surface is filled with tetrahedra.
     pub tets: TetParams,
@@ -38,11 +38,15 @@ pub struct Part {
     pub direction: Option<DirectionInput>,
     /// What sets the scale.
     pub scale: Option<ScaleInput>,
+    /// What paints the field that is texture x, where the type has one.
+    pub along: Option<DepthInput>,
+    /// What paints the field that is texture z, where the type has one.
+    pub across: Option<DepthInput>,
     /// How it is lapped.
     pub fill: FillParams,
 }
 
-/// What paints the depth field: depth runs along the texture's second axis.
+/// What paints a field of numbers from 0 to 1: the depth (texture y), or `along` or `across` (texture x and z).
 #[derive(Debug, Clone)]
 pub struct DepthInput {
     /// Painted surfaces and strokes.
@@ -73,12 +77,12 @@ pub struct ScaleInput {
 #[derive(Debug, thiserror::Error)]
 pub enum PartError {
     /// The texture type needs something that is not given.
-    #[error("texture type {kind} needs {input}: {}", how_to_give(input))]
+    #[error("texture type {kind} needs {}: {}", inputs.join(" and "), how_to_give(inputs))]
     Needs {
         /// The type.
         kind: TextureType,
-        /// What is missing: `depth`, `direction` or `scale`.
-        input: &'static str,
+        /// What is missing: `depth`, `direction`, `scale`, `along`, `across`.
+        inputs: Vec<&'static str>,
     },
     /// Something is given that the texture type does not draw on.
     #[error("texture type {kind} takes no {input}: {}", why_not(*kind, input))]
@@ -88,9 +92,6 @@ pub enum PartError {
         /// What is too much.
         input: &'static str,
     },
-    /// A texture type that cannot be filled yet.
-    #[error("texture type {0} cannot be filled yet; 0, 1a, 1b, 2a and 2b can")]
-    Unsupported(TextureType),
     /// A constant direction without length.
     #[error("the constant direction is zero or not finite")]
     NoDirection,
@@ -119,9 +120,22 @@ pub enum PartError {
         /// Why.
         source: TetError,
     },
-    /// No depth field comes of what is painted.
-    #[error("cannot make the depth field")]
-    Depth(#[source] DepthError),
+    /// Tetrahedra of a file that cannot be made fit for depth.
+    #[error("the tetrahedra of {} cannot take a painted depth", path.display())]
+    Split {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: SplitError,
+    },
+    /// No field of numbers comes of what is painted.
+    #[error("cannot make the field '{field}'")]
+    Depth {
+        /// Which one: `depth`, `along` or `across`.
+        field: &'static str,
+        /// Why.
+        source: DepthError,
+    },
     /// No direction field comes of the strokes.
     #[error("cannot make the direction field")]
     Direction(#[source] DirectionError),
@@ -136,21 +150,29 @@ pub enum PartError {
     Cancelled(#[from] Cancelled),
 }
 
-fn how_to_give(input: &str) -> &'static str {
-    match input {
-        "depth" => "paint it ([depth] in a project file; --core on the command line)",
-        "direction" => "set it ([direction] in a project file; --direction on the command line)",
-        _ => {
-            "the world length of one unit of texture ([scale] in a project file; --scale on the command line)"
+fn how_to_give(inputs: &[&str]) -> String {
+    let how = inputs.iter().map(|input| match *input {
+        "depth" => "paint depth ([depth] in a project file; --core on the command line)",
+        "direction" => "set the direction ([direction] in a project file; --direction on the command line)",
+        "scale" => {
+            "set the scale, the world length of one unit of texture ([scale] in a project file; --scale on the \
+             command line)"
         }
-    }
+        "along" => "paint along, where the texture's x runs ([along] in a project file only)",
+        _ => "paint across, where the texture's z runs ([across] in a project file only)",
+    });
+    how.collect::<Vec<_>>().join("; ")
 }
 
 fn why_not(kind: TextureType, input: &str) -> &'static str {
     match input {
+        "scale" if kind == TextureType::Type2d => "its fields say where each point of the texture goes",
         "scale" => "its scale follows from the depth",
         "direction" if kind == TextureType::Type0 => "it looks the same from every side",
-        "direction" => "it turns freely about the depth's gradient",
+        "direction" if kind == TextureType::Type1b => "it turns freely about the depth's gradient",
+        "direction" => "its directions follow from the fields",
+        "along" => "its texture's x is no field",
+        "across" => "its texture's z is no field",
         _ => "it does not vary with depth",
     }
 }
@@ -159,25 +181,23 @@ impl Part {
     /// Checks that what is given is what the texture's type draws on \[LST 3, 4\].
     ///
     /// # Errors
-    /// [`PartError::Unsupported`], [`PartError::Needs`], [`PartError::Takes`].
+    /// [`PartError::Needs`], [`PartError::Takes`].
     pub fn check(&self) -> Result<(), PartError> {
         let kind = self.kind;
-        if matches!(kind, TextureType::Type2c | TextureType::Type2d) {
-            return Err(PartError::Unsupported(kind));
+        let given = [
+            self.depth.is_some(),
+            self.direction.is_some(),
+            self.scale.is_some(),
+            self.along.is_some(),
+            self.across.is_some(),
+        ];
+        let all = kind.inputs().named().into_iter().zip(given);
+        if let Some(((input, _), _)) = all.clone().find(|((_, needed), given)| *given && !needed) {
+            return Err(PartError::Takes { kind, input });
         }
-        let needs = kind.inputs();
-        for (input, needed, given) in [
-            ("depth", needs.depth, self.depth.is_some()),
-            ("direction", needs.direction, self.direction.is_some()),
-            ("scale", needs.scale, self.scale.is_some()),
-        ] {
-            match (needed, given) {
-                (true, false) => return Err(PartError::Needs { kind, input }),
-                (false, true) => return Err(PartError::Takes { kind, input }),
-                _ => {}
-            }
-        }
-        Ok(())
+        let inputs: Vec<&'static str> =
+            all.filter(|((_, needed), given)| *needed && !given).map(|((input, _), _)| input).collect();
+        if inputs.is_empty() { Ok(()) } else { Err(PartError::Needs { kind, inputs }) }
     }
 }
 
@@ -264,7 +284,7 @@ fn making_notes(made: &TetReport) -> Vec<String> {
 #[must_use]
 pub fn is_tet_file(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-    matches!(extension.as_str(), "node" | "ele")
+    mesh::TET_EXTENSIONS.contains(&extension.as_str())
 }
 
 /// Fills one part: reads its mesh and its texture, makes the tetrahedra and the fields, laps.
@@ -286,6 +306,7 @@ pub fn fill_part(
     exec.check()?;
     let (mesh, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
     report.join(meshed);
+    let mesh = fit_for_depth(part, mesh, &mut report, exec)?;
     let start = Instant::now();
     let fields = fields(part, &mesh, &mut report, exec)?;
     report.took("fields", start);
@@ -298,33 +319,66 @@ pub fn fill_part(
     Ok((solid, report))
 }
 
+/// Tetrahedra of a file may have their four vertices on the surface; where depth is painted there, they are split.
+/// Those that are made here never have.
+fn fit_for_depth(part: &Part, mesh: TetMesh, report: &mut Report, exec: &Exec) -> Result<TetMesh, PartError> {
+    if !is_tet_file(&part.mesh) || !part.kind.inputs().depth {
+        return Ok(mesh);
+    }
+    let start = Instant::now();
+    let (mesh, splits) = mesh::split_for_depth(&mesh, exec).map_err(|e| match e {
+        SplitError::Cancelled(e) => e.into(),
+        source => PartError::Split { path: part.mesh.clone(), source },
+    })?;
+    report.add(&splits);
+    if splits != mesh::Splits::default() {
+        report.notes.push(format!(
+            "{} inner edges and {} tetrahedra that join the surface to itself were split, so that depth is flat in none",
+            splits.edges, splits.tets
+        ));
+    }
+    report.count("tetrahedra", mesh.tets.len());
+    report.count("vertices", mesh.vertices.len());
+    report.took("read", start);
+    Ok(mesh)
+}
+
 /// What made a model, for the record: every setting, but no path.
 fn settings(part: &Part, seed: u64) -> serde_json::Value {
     let direction = part.direction.as_ref().map(|d| match d {
         DirectionInput::Constant(v) => json!({ "constant": v }),
         DirectionInput::Strokes(strokes, params) => json!({ "stroke": strokes, "smooth": params }),
     });
-    json!({
+    let painted =
+        |input: &Option<DepthInput>| input.as_ref().map(|d| json!({ "paint": d.paint, "fit": d.params }));
+    let mut all = json!({
         "type": part.kind,
         "seed": seed,
         "mesh": part.tets,
-        "depth": part.depth.as_ref().map(|d| json!({ "paint": d.paint, "fit": d.params })),
+        "depth": painted(&part.depth),
         "direction": direction,
         "scale": part.scale.as_ref().map(|s| json!({ "everywhere": s.everywhere, "at": s.at })),
         "fill": part.fill,
-    })
+    });
+    for (name, input) in [("along", &part.along), ("across", &part.across)] {
+        if let Some(input) = painted(input) {
+            all[name] = input;
+        }
+    }
+    all
 }
 
 fn fields(part: &Part, mesh: &TetMesh, report: &mut Report, exec: &Exec) -> Result<Fields, PartError> {
-    let depth = match &part.depth {
-        Some(input) => {
-            Some(field::depth_field(mesh, &input.paint, &input.params, exec).map_err(PartError::Depth)?)
-        }
-        None => None,
+    let mut painted = |field: &'static str, input: &Option<DepthInput>| {
+        let Some(input) = input else { return Ok(None) };
+        let made = field::depth_field(mesh, &input.paint, &input.params, exec)
+            .map_err(|source| PartError::Depth { field, source })?;
+        report.section(&format!("{field}_field"), &made.report);
+        Ok::<_, PartError>(Some(made))
     };
-    if let Some(depth) = &depth {
-        report.section("depth_field", &depth.report);
-    }
+    let depth = painted("depth", &part.depth)?;
+    let along = painted("along", &part.along)?;
+    let across = painted("across", &part.across)?;
     let direction = match &part.direction {
         Some(DirectionInput::Constant(v)) => {
             let unit = v.try_normalize().ok_or(PartError::NoDirection)?;
@@ -342,5 +396,6 @@ fn fields(part: &Part, mesh: &TetMesh, report: &mut Report, exec: &Exec) -> Resu
         }
         None => None,
     };
-    Ok(Fields { depth: depth.map(|d| d.values), direction, scale })
+    let [depth, along, across] = [depth, along, across].map(|f| f.map(|f| f.values));
+    Ok(Fields { depth, direction, scale, along, across })
 }

@@ -111,9 +111,11 @@ impl Project {
             tets: TetParams { tets: file.mesh.tets, keep_surface: file.mesh.keep_surface },
             volume: folder.join(file.texture.volume),
             kind: file.texture.kind,
-            depth: file.depth.map(check::depth).transpose()?,
+            depth: file.depth.map(|t| check::depth("depth", t)).transpose()?,
             direction: file.direction.map(check::direction).transpose()?,
             scale: file.scale.map(check::scale).transpose()?,
+            along: file.along.map(|t| check::depth("along", t)).transpose()?,
+            across: file.across.map(|t| check::depth("across", t)).transpose()?,
             fill: file.fill,
         };
         part.check()?;

@@ -42,7 +42,7 @@ pub enum ProjectProblem {
     /// A name that is given twice.
     #[error("two {kind}s are named '{name}'")]
     Twice {
-        /// `cut` or `picture`.
+        /// `cut`, `picture` or `export format`.
         kind: &'static str,
         /// The name.
         name: String,

@@ -7,14 +7,14 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use super::file::ExportFormat;
+use super::check::repeated;
 use super::output::{OutputError, OutputFolder};
 use super::part::{PartError, fill_part};
 use super::plan::{Along, Model, Picture, Project};
 use super::report::Report;
 use crate::cut::{CutError, CutSurface, cut};
 use crate::exec::{Cancelled, Exec};
-use crate::export::{ExportError, glb, ply};
+use crate::export::{ExportError, export};
 use crate::files::read_whole;
 use crate::lap::LappedSolid;
 use crate::mesh::Mesher;
@@ -135,21 +135,22 @@ struct Work<'a> {
 impl Work<'_> {
     /// Refuses early what would be refused at the end.
     fn check_names(&self, may_replace: &impl Fn(&str) -> bool) -> Result<(), OutputError> {
-        let extensions = || {
-            let exports = self.project.export.formats.iter().map(|f| f.extension());
-            std::iter::once("lapis").chain(exports)
+        let files_of = |model| {
+            let stem = self.project.file_stem(model);
+            let exports = self.project.export.formats.iter().flat_map(|f| f.file_names(&stem));
+            std::iter::once(format!("{stem}.lapis")).chain(exports).collect::<Vec<_>>()
         };
         let mut models = vec![Model::Whole];
         // Every cut leaves two pieces at least; more are known only when it is made.
         models.extend(
             (0..self.project.cuts.len()).flat_map(|cut| [1, 2].map(|piece| Model::Piece { cut, piece })),
         );
-        let mut names: Vec<String> = models
-            .into_iter()
-            .flat_map(|m| extensions().map(move |e| format!("{}.{e}", self.project.file_stem(m))))
-            .collect();
+        let mut names: Vec<String> = models.into_iter().flat_map(files_of).collect();
         names.extend(self.project.pictures.iter().map(|p| format!("{}.png", p.entry.name)));
         names.push(REPORT_FILE.to_owned());
+        if let Some(name) = repeated(names.iter().map(String::as_str)) {
+            return Err(OutputError::Twice(self.folder.path().join(name)));
+        }
         for name in names {
             let path = self.folder.path().join(&name);
             if path.is_dir() {
@@ -192,14 +193,13 @@ impl Work<'_> {
         let start = Instant::now();
         let stem = self.project.file_stem(model);
         self.put(&format!("{stem}.lapis"), "lapped-solid", &solid.to_bytes())?;
-        for format in &self.project.export.formats {
-            let name = format!("{stem}.{}", format.extension());
-            let bytes = match format {
-                ExportFormat::Glb => glb(solid, &self.project.export.atlas, exec),
-                ExportFormat::Ply => ply(solid, &self.project.export.ply, exec),
-            };
-            let bytes = bytes.map_err(|source| RunError::Export { name: name.clone(), source })?;
-            self.put(&name, format.extension(), &bytes)?;
+        let settings = &self.project.export;
+        for format in &settings.formats {
+            let files = export(solid, *format, &stem, &settings.atlas, &settings.ply, exec);
+            let failed = |source| RunError::Export { name: format!("{stem}.{}", format.extension()), source };
+            for file in files.map_err(failed)? {
+                self.put(&file.name, file.kind, &file.bytes)?;
+            }
         }
         self.report.took("export", start);
         Ok(())

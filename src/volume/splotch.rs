@@ -104,6 +104,15 @@ impl AlphaMask {
         [OUTER_CENTRE, 0.5, 1.0 - OUTER_CENTRE].map(|depth| shape.mask(depth))
     }
 
+    /// The mask of a texture whose x and y are both given: opaque over the whole x–y square about z = ½, soft
+    /// along z only, and 0 at z = 0 and z = 1. Its two soft faces are as irregular as the splotch's rim.
+    ///
+    /// Whatever the seed, it is opaque for |z − ½| ≤ 0.1, and well beyond.
+    #[must_use]
+    pub fn slab(params: &SplotchParams, seed: u64) -> Self {
+        Shape::new(params, seed).slab()
+    }
+
     /// Which of the three masks of [`AlphaMask::depth_varying`] serves a patch seeded at `depth`:
     /// 0 outer, 1 middle, 2 inner.
     #[must_use]
@@ -178,9 +187,14 @@ impl Shape {
         range
     }
 
+    /// n(ω), in \[0, 1\].
+    fn noise_at(&self, direction: DVec3) -> f64 {
+        ((self.sum(direction) - self.range.0) / (self.range.1 - self.range.0)).clamp(0.0, 1.0)
+    }
+
     /// R(ω): the distance at which the opacity reaches 0.
     fn rim(&self, direction: DVec3) -> f64 {
-        let n = ((self.sum(direction) - self.range.0) / (self.range.1 - self.range.0)).clamp(0.0, 1.0);
+        let n = self.noise_at(direction);
         // 1 along the axes, 7/6 along the cube's diagonals, and never past the cube's faces.
         let squares = direction * direction;
         let swell = 1.0 + 0.25 * (1.0 - squares.dot(squares));
@@ -203,6 +217,26 @@ impl Shape {
         AlphaMask::new([n; 3], alpha).expect("the size is between its limits")
     }
 
+    /// The mask that is soft along z only.
+    fn slab(&self) -> AlphaMask {
+        let n = self.size;
+        let at = |i: u32| (f64::from(i) + 0.5) / f64::from(n) - 0.5;
+        let mut alpha = Vec::with_capacity((n as usize).pow(3));
+        for k in 0..n {
+            for j in 0..n {
+                for i in 0..n {
+                    // The noise over a direction that sweeps most of a half-sphere over the square.
+                    let z = at(k);
+                    let direction = DVec3::new(at(i), at(j), 0.3_f64.copysign(z)).normalize();
+                    alpha.push(
+                        self.fade(self.radius * (1.0 - self.noise * self.noise_at(direction)) - z.abs()),
+                    );
+                }
+            }
+        }
+        AlphaMask::new([n; 3], alpha).expect("the size is between its limits")
+    }
+
     /// The opacity at `p` from the centre.
     fn opacity(&self, p: DVec3) -> u8 {
         let r = p.length();
@@ -213,7 +247,12 @@ impl Shape {
         if r <= self.radius * (1.0 - self.noise) - self.drop_off {
             return 255;
         }
-        let t = ((self.rim(p / r) - r) / self.drop_off).clamp(0.0, 1.0);
+        self.fade(self.rim(p / r) - r)
+    }
+
+    /// The opacity this far inside the rim.
+    fn fade(&self, inside: f64) -> u8 {
+        let t = (inside / self.drop_off).clamp(0.0, 1.0);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // between 0 and 255
         let alpha = (t * t * (3.0 - 2.0 * t) * 255.0 + 0.5) as u8;
         alpha
@@ -317,6 +356,23 @@ mod tests {
             }
         }
         assert_eq!(middle, AlphaMask::splotch(&SplotchParams::default(), 3));
+    }
+
+    #[test]
+    fn the_slab_is_soft_along_z_only() {
+        for seed in 0..3 {
+            let mask = AlphaMask::slab(&SplotchParams::default(), seed);
+            let mut rims = Vec::new();
+            for a in fine(40) {
+                for b in fine(40) {
+                    assert_eq!(mask.sample([a, b, 0.0]).max(mask.sample([a, b, 1.0])), 0.0);
+                    assert!([0.4, 0.45, 0.5, 0.6].iter().all(|&z| mask.sample([a, b, z]) == 1.0));
+                    rims.push(fine(200).filter(|z| *z > 0.5 && mask.sample([a, b, *z]) > 0.5).count());
+                }
+            }
+            rims.sort_unstable();
+            assert!(rims[0] + 10 < rims[rims.len() - 1], "the faces are flat: {rims:?}");
+        }
     }
 
     /// From the centre out the opacity only falls (star shape), and it does so over the drop-off's width.

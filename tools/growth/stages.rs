@@ -118,7 +118,7 @@ pub(crate) fn run(size: usize, threads: usize, save: Option<&Path>) -> Result<Va
     let fields = stages.run("fields", || -> Result<Fields, Failure> {
         let direction = direction_field(&tets, &model::strokes(), None, &DirectionParams::default(), &exec)?;
         let scale = scale_field(&tets, model::scale(size), &[], &exec)?;
-        Ok(Fields { depth: None, direction: Some(direction), scale: Some(scale) })
+        Ok(Fields { depth: None, direction: Some(direction), scale: Some(scale), ..Fields::default() })
     })?;
     let (solid, filled) = stages.run("fill", || {
         fill(tets, texture, TextureType::Type1a, &fields, &FillParams::default(), 1, &exec)

@@ -1,103 +1,107 @@
-//! Tetrahedra in files: TetGen's `.node`/`.ele`/`.face` in and out, `.vtu` out.
+//! Tetrahedra in files: TetGen's `.node`/`.ele`/`.face` and VTK's `.vtu` in and out, Gmsh's `.msh` in.
 
-use std::io;
 use std::path::{Path, PathBuf};
 
-use super::{FaceOrigin, TetMesh, TopologyError, index, signed_volume};
-use crate::files::{read_whole, write_whole};
+use glam::DVec3;
 
+use super::{FaceOrigin, TetMesh, TopologyError, index, signed_volume};
+use crate::files::{read_whole, write_all};
+pub use fault::TetFileError;
+use fault::{Fault, line_of};
+pub use vtu::{VtuField, VtuValues, write_vtu};
+
+mod fault;
+mod msh;
 pub(crate) mod tetgen;
+#[cfg(test)]
+mod torture;
 mod vtu;
 
-/// Why tetrahedra could not be read from, or written to, a file.
-#[derive(Debug, thiserror::Error)]
-pub enum TetFileError {
-    /// The file system refused.
-    #[error("{path}: {source}")]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// What the file system said.
-        source: io::Error,
-    },
-    /// The name's ending names no format.
-    #[error("{path}: tetrahedra are {doing}, by the name's ending")]
-    Format {
-        /// The file.
-        path: PathBuf,
-        /// The formats that exist, in words.
-        doing: &'static str,
-    },
-    /// The file's text is not what the format asks for.
-    #[error("{path}, line {line}: {what}")]
-    Syntax {
-        /// The file.
-        path: PathBuf,
-        /// The line, counted from 1.
-        line: usize,
-        /// What is wrong there.
-        what: String,
-    },
-    /// The tetrahedra are no mesh.
-    #[error("{path}: {source}")]
-    Topology {
-        /// The file that names the tetrahedra.
-        path: PathBuf,
-        /// What is wrong with them; tetrahedra and vertices are counted from 0.
-        source: TopologyError,
-    },
+/// The endings of the files that [`read_tets`] knows, in lower case.
+pub const TET_EXTENSIONS: [&str; 4] = ["node", "ele", "vtu", "msh"];
+
+/// Tetrahedra as a file gives them.
+#[derive(Debug, Default)]
+struct Soup {
+    /// Positions, all of them finite.
+    points: Vec<DVec3>,
+    /// Corners: indices into `points`.
+    tets: Vec<[u32; 4]>,
 }
 
-/// Reads tetrahedra from TetGen's `.node` and `.ele` files; `path` names either, the other lies beside it.
+/// Reads tetrahedra, by the name's ending, from TetGen's `.node` and `.ele` (`path` names either, the other lies
+/// beside it), VTK's `.vtu` (ASCII, or binary inside or appended, plain or compressed by zlib), or Gmsh's `.msh`
+/// (2 and 4.1, ASCII and binary).
 ///
-/// Numbers may begin at 0 or 1. Attributes, boundary markers, comments and the middle nodes of quadratic
-/// tetrahedra are passed over, vertices that no tetrahedron uses are left out, and tetrahedra that are
-/// inside out are turned. The n-th boundary face has the origin `Input(n)`.
+/// Numbers of TetGen's files may begin at 0 or 1. Of tetrahedra of higher order the four corners are taken; cells of
+/// lower dimension, fields, markers and groups are passed over; vertices that no tetrahedron uses are left out, and
+/// tetrahedra that are inside out are turned. The n-th boundary face has the origin `Input(n)`.
 ///
 /// # Errors
-/// [`TetFileError`], with the line.
+/// [`TetFileError`], with the line, the byte or the cell, and what would help.
 pub fn read_tets(path: &Path) -> Result<TetMesh, TetFileError> {
-    match ending(path).as_deref() {
-        Some("node" | "ele") => {}
-        _ => return Err(TetFileError::Format { path: path.to_owned(), doing: "read from .node and .ele" }),
-    }
-    let (node, ele) = (path.with_extension("node"), path.with_extension("ele"));
-    let points = tetgen::nodes(&read(&node)?).map_err(|e| e.at(&node))?;
-    let mut tets = tetgen::cells(&read(&ele)?, &points).map_err(|e| e.at(&ele))?;
-    for tet in &mut tets {
-        if signed_volume(tet.map(|v| points.points[v as usize])) < 0.0 {
-            tet.swap(2, 3);
+    let (path, soup) = match ending(path).as_deref() {
+        Some("node" | "ele") => {
+            let (node, ele) = (path.with_extension("node"), path.with_extension("ele"));
+            let nodes = tetgen::nodes(&read(&node)?).map_err(|e| e.at(&node))?;
+            let tets = tetgen::cells(&read(&ele)?, &nodes).map_err(|e| e.at(&ele))?;
+            (ele, Soup { points: nodes.points, tets })
         }
-    }
-    let (vertices, tets) = without_unused(&points.points, &tets);
-    from_tets(vertices, tets).map_err(|source| TetFileError::Topology { path: ele, source })
+        Some("vtu") => (path.to_owned(), vtu::read(&read(path)?).map_err(|e| e.at(path))?),
+        Some("msh") => (path.to_owned(), msh::read(&read(path)?).map_err(|e| e.at(path))?),
+        _ => {
+            let doing = "read from .node and .ele, .vtu and .msh";
+            return Err(TetFileError::Format { path: path.to_owned(), doing });
+        }
+    };
+    soup.mesh().map_err(|source| TetFileError::Topology { path, source })
 }
 
-/// Writes tetrahedra: `.node` or `.ele` gives both and a `.face` file beside them (its marker is n + 1 for
-/// a face on input triangle n, −(n + 1) for one that cut n opened), `.vtu` a file for ParaView. Returns
-/// the files written; each appears whole or not at all.
+impl Soup {
+    /// The mesh, with tetrahedra turned to be positive.
+    fn mesh(mut self) -> Result<TetMesh, TopologyError> {
+        for tet in &mut self.tets {
+            if signed_volume(tet.map(|v| self.points[v as usize])) < 0.0 {
+                tet.swap(2, 3);
+            }
+        }
+        let (vertices, tets) = without_unused(&self.points, &self.tets);
+        from_tets(vertices, tets)
+    }
+}
+
+/// The files that [`write_tets`] writes for one name: `.node` or `.ele` gives both and a `.face` file beside them,
+/// `.vtu` one file.
+///
+/// # Errors
+/// [`TetFileError::Format`] for another ending.
+pub fn tet_file_names(path: &Path) -> Result<Vec<PathBuf>, TetFileError> {
+    match ending(path).as_deref() {
+        Some("node" | "ele") => Ok(["node", "face", "ele"].map(|e| path.with_extension(e)).to_vec()),
+        Some("vtu") => Ok(vec![path.to_owned()]),
+        _ => {
+            let doing = "written to .node and .ele, or to .vtu";
+            Err(TetFileError::Format { path: path.to_owned(), doing })
+        }
+    }
+}
+
+/// Writes tetrahedra to the files that [`tet_file_names`] gives, all of them or none. The marker of a `.face` file is
+/// n + 1 for a face on input triangle n, −(n + 1) for one that cut n opened. Returns the files.
 ///
 /// # Errors
 /// [`TetFileError::Format`] for another ending, [`TetFileError::Io`] where the file system refuses.
 pub fn write_tets(path: &Path, mesh: &TetMesh) -> Result<Vec<PathBuf>, TetFileError> {
-    let files = match ending(path).as_deref() {
-        Some("node" | "ele") => vec![
-            (path.with_extension("node"), tetgen::write_nodes(&mesh.vertices)),
-            (path.with_extension("face"), tetgen::write_faces(mesh)),
-            (path.with_extension("ele"), tetgen::write_cells(&mesh.tets)),
-        ],
-        Some("vtu") => vec![(path.to_owned(), vtu::write(mesh))],
-        _ => {
-            let doing = "written to .node and .ele, or to .vtu";
-            return Err(TetFileError::Format { path: path.to_owned(), doing });
-        }
+    let names = tet_file_names(path)?;
+    let bytes = if names.len() == 1 {
+        vec![write_vtu(mesh, &[], &[])]
+    } else {
+        vec![tetgen::write_nodes(&mesh.vertices), tetgen::write_faces(mesh), tetgen::write_cells(&mesh.tets)]
     };
-    let mut written = Vec::new();
-    for (path, bytes) in files {
-        write_whole(&path, &bytes).map_err(|source| TetFileError::Io { path: path.clone(), source })?;
-        written.push(path);
-    }
-    Ok(written)
+    let files: Vec<(&Path, &[u8])> =
+        names.iter().map(PathBuf::as_path).zip(bytes.iter().map(Vec::as_slice)).collect();
+    write_all(&files)?;
+    Ok(names)
 }
 
 fn ending(path: &Path) -> Option<String> {
@@ -109,7 +113,7 @@ fn read(path: &Path) -> Result<Vec<u8>, TetFileError> {
 }
 
 /// A mesh whose n-th boundary face has the origin `Input(n)`.
-fn from_tets(vertices: Vec<glam::DVec3>, tets: Vec<[u32; 4]>) -> Result<TetMesh, TopologyError> {
+fn from_tets(vertices: Vec<DVec3>, tets: Vec<[u32; 4]>) -> Result<TetMesh, TopologyError> {
     let mut next = 0;
     TetMesh::new(vertices, tets, |_, _| {
         next += 1;
@@ -118,10 +122,7 @@ fn from_tets(vertices: Vec<glam::DVec3>, tets: Vec<[u32; 4]>) -> Result<TetMesh,
 }
 
 /// The vertices that some tetrahedron uses, in their order, and the tetrahedra renumbered.
-pub(crate) fn without_unused(
-    vertices: &[glam::DVec3],
-    tets: &[[u32; 4]],
-) -> (Vec<glam::DVec3>, Vec<[u32; 4]>) {
+pub(crate) fn without_unused(vertices: &[DVec3], tets: &[[u32; 4]]) -> (Vec<DVec3>, Vec<[u32; 4]>) {
     let mut used = vec![false; vertices.len()];
     for &v in tets.iter().flatten() {
         used[v as usize] = true;
@@ -180,7 +181,7 @@ mod tests {
     #[test]
     fn faults_are_located() {
         let fault = |node: &str, ele: &str| read_pair(node, ele).unwrap_err().to_string();
-        assert!(fault(NODE, "1 4 0\n1 1 2 3 6\n").contains("m.ele, line 2: node 6"), "past the end");
+        assert!(fault(NODE, "1 4 0\n1 1 2 3 6\n").contains("m.ele: line 2: node 6"), "past the end");
         assert!(fault(NODE, "1 4 0\n1 1 2 3 0\n").contains("line 2: node 0"), "before the beginning");
         assert!(fault(NODE, "1 4 0\n1 1 2 3\n").contains("line 2"), "too short");
         assert!(fault(NODE, "2 4 0\n1 1 2 3 4\n").contains("2 tetrahedra"), "fewer than promised");
@@ -188,17 +189,17 @@ mod tests {
         assert!(fault(NODE, "1 3 0\n1 1 2 3\n").contains("line 1"), "three corners");
         assert!(fault(NODE, "").contains("empty"), "empty");
         assert!(
-            fault(&NODE.replace("2 1 0", "2 x 0"), "1 4 0\n1 1 2 3 4\n").contains("m.node, line 5: \"x\"")
+            fault(&NODE.replace("2 1 0", "2 x 0"), "1 4 0\n1 1 2 3 4\n").contains("m.node: line 5: \"x\"")
         );
-        assert!(fault(&NODE.replace("2 1 0", "2 nan 0"), "1 4 0\n1 1 2 3 4\n").contains("m.node, line 5"));
-        assert!(fault(&NODE.replace("2 1 0", "3 1 0"), "1 4 0\n1 1 2 3 4\n").contains("m.node, line 5"));
+        assert!(fault(&NODE.replace("2 1 0", "2 nan 0"), "1 4 0\n1 1 2 3 4\n").contains("m.node: line 5"));
+        assert!(fault(&NODE.replace("2 1 0", "3 1 0"), "1 4 0\n1 1 2 3 4\n").contains("m.node: line 5"));
         assert!(fault(NODE, "1 4 0\n1 1 2 3 3\n").contains("m.ele: tetrahedron 0"), "flat");
-        assert!(fault("\u{0}\u{1}garbage", "1 4 0\n1 1 2 3 3\n").contains("m.node, line 1"));
+        assert!(fault("\u{0}\u{1}garbage", "1 4 0\n1 1 2 3 3\n").contains("m.node: line 1"));
     }
 
     #[test]
     fn another_ending_or_a_missing_file_is_named() {
-        assert!(read_tets(Path::new("mesh.msh")).unwrap_err().to_string().contains(".node and .ele"));
+        assert!(read_tets(Path::new("mesh.mesh")).unwrap_err().to_string().contains(".node and .ele"));
         assert!(read_tets(Path::new("no/such.ele")).unwrap_err().to_string().contains("such.node"));
         assert!(write_tets(Path::new("mesh.msh"), &two()).is_err());
         assert!(write_tets(Path::new("no/such/folder/mesh.vtu"), &two()).is_err());

@@ -1,29 +1,11 @@
 //! The text of TetGen's files (<https://wias-berlin.de/software/tetgen/fformats.html>).
 
 use std::fmt::Write;
-use std::path::Path;
 
 use glam::DVec3;
 
-use super::TetFileError;
+pub(crate) use super::fault::Fault;
 use crate::mesh::{FaceOrigin, TetMesh};
-
-/// What is wrong in which line (from 1) of a file whose name the caller knows.
-#[derive(Debug)]
-pub(crate) struct Fault {
-    line: usize,
-    pub(crate) what: String,
-}
-
-impl Fault {
-    fn new(line: usize, what: impl Into<String>) -> Self {
-        Self { line, what: what.into() }
-    }
-
-    pub(super) fn at(self, path: &Path) -> TetFileError {
-        TetFileError::Syntax { path: path.to_owned(), line: self.line, what: self.what }
-    }
-}
 
 /// A `.node` file: its points, and the number of the first (0 or 1).
 pub(crate) struct Nodes {
@@ -65,7 +47,7 @@ impl<'a> Lines<'a> {
             self.last = i + 1;
             let end = line.iter().position(|b| *b == b'#').unwrap_or(line.len());
             let text = std::str::from_utf8(&line[..end])
-                .map_err(|_| Fault::new(i + 1, "this is not text; TetGen's files are"))?;
+                .map_err(|_| Fault::line(i + 1, "this is not text; TetGen's files are"))?;
             if !text.trim_ascii().is_empty() {
                 return Ok(Some(Words { line: i + 1, words: text.split_ascii_whitespace() }));
             }
@@ -74,20 +56,20 @@ impl<'a> Lines<'a> {
     }
 
     fn header(&mut self) -> Result<Words<'a>, Fault> {
-        self.next()?.ok_or_else(|| Fault::new(1, "the file is empty"))
+        self.next()?.ok_or_else(|| Fault::line(1, "the file is empty"))
     }
 
     /// The next of `count` `things`, of which `have` have been read.
     fn row(&mut self, count: u64, have: usize, things: &str) -> Result<Words<'a>, Fault> {
         self.next()?.ok_or_else(|| {
-            Fault::new(self.last, format!("the file ends after {have} of the {count} {things} it promises"))
+            Fault::line(self.last, format!("the file ends after {have} of the {count} {things} it promises"))
         })
     }
 }
 
 impl Words<'_> {
     fn fault(&self, what: impl Into<String>) -> Fault {
-        Fault::new(self.line, what)
+        Fault::line(self.line, what)
     }
 
     fn parse<T: std::str::FromStr>(&mut self, what: &str) -> Result<T, Fault> {

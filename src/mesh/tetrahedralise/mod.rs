@@ -20,6 +20,8 @@ mod simplify;
 mod split;
 mod surface;
 
+pub use split::{SplitError, Splits, split_for_depth};
+
 /// The most tetrahedra that may be asked for.
 pub const MAX_TETS: usize = 20_000_000;
 

@@ -2,16 +2,55 @@
 
 use std::cmp::Reverse;
 
+use serde::Serialize;
+
 use super::cells::{Cells, next};
 use super::improve::Improver;
 use crate::exec::{Cancelled, Exec};
-use crate::mesh::{NONE, TET_FACES};
+use crate::mesh::{NONE, TET_FACES, TetMesh, TopologyError, index};
 
 /// How many inner edges and how many whole tetrahedra were split.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub(super) struct Splits {
-    pub(super) edges: usize,
-    pub(super) tets: usize,
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct Splits {
+    /// Inner edges between two vertices on the surface, split at their middles.
+    #[serde(rename = "inner_edges_split")]
+    pub edges: usize,
+    /// Tetrahedra with their four vertices on the surface, split at their barycentres.
+    #[serde(rename = "tets_split")]
+    pub tets: usize,
+}
+
+/// Why tetrahedra could not be made fit for depth.
+#[derive(Debug, thiserror::Error)]
+pub enum SplitError {
+    /// The caller asked for a stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// A tetrahedron so flat that its parts have no volume.
+    #[error("split so that depth is flat in none, {0}; mesh the volume with better shapes")]
+    Topology(#[from] TopologyError),
+}
+
+/// Makes tetrahedra fit for a depth that is painted on their surface, as [`super::tetrahedralise`] does with its own:
+/// afterwards none has its four vertices on the boundary, and no inner edge joins two vertices of the boundary.
+/// Such edges are connected anew where that makes no shape worse, and split elsewhere. Boundary faces and their
+/// origins stay.
+///
+/// # Errors
+/// [`SplitError`].
+pub fn split_for_depth(mesh: &TetMesh, exec: &Exec) -> Result<(TetMesh, Splits), SplitError> {
+    let mut cells = Cells {
+        points: mesh.vertices.clone(),
+        tets: mesh.tets.clone(),
+        outer: vec![[NONE; 4]; mesh.tets.len()],
+    };
+    for (n, face) in mesh.boundary.iter().enumerate() {
+        cells.outer[face.tet as usize][face.face as usize] = index(n);
+    }
+    let splits = cells.split_inner(exec)?;
+    let Cells { points, tets, outer } = cells;
+    let made = TetMesh::new(points, tets, |t, k| mesh.boundary[outer[t][k] as usize].origin)?;
+    Ok((made, splits))
 }
 
 impl Cells {
@@ -137,7 +176,7 @@ fn sorted(a: u32, b: u32) -> [u32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{FaceOrigin, TetMesh};
+    use crate::mesh::FaceOrigin;
     use glam::DVec3;
 
     /// Builds the mesh from its table of outer faces, which must be the outer faces.
@@ -193,5 +232,41 @@ mod tests {
             faces
         };
         assert_eq!(faces(&before), faces(&after));
+    }
+
+    #[test]
+    fn no_depth_is_flat_in_tetrahedra_of_a_file() {
+        // A slab one cube thick: every vertex is on the surface.
+        let flat = crate::mesh::shapes::grid(1);
+        let all = |mesh: &TetMesh| {
+            let mut on = vec![false; mesh.vertices.len()];
+            for v in mesh.boundary.iter().flat_map(|f| mesh.face_vertices(f)) {
+                on[v as usize] = true;
+            }
+            mesh.tets.iter().filter(|t| t.iter().all(|v| on[*v as usize])).count()
+        };
+        assert_eq!(all(&flat), flat.tets.len());
+        let (made, splits) = split_for_depth(&flat, &Exec::default()).unwrap();
+        assert!(splits.edges + splits.tets > 0);
+        assert_eq!(all(&made), 0);
+        assert!((made.volume() - flat.volume()).abs() < 1e-14);
+        let origins = |mesh: &TetMesh| {
+            let mut faces: Vec<_> = mesh
+                .boundary
+                .iter()
+                .map(|f| {
+                    let mut corners =
+                        mesh.face_vertices(f).map(|v| mesh.vertices[v as usize].to_array().map(f64::to_bits));
+                    corners.sort_unstable();
+                    (f.origin, corners)
+                })
+                .collect();
+            faces.sort_unstable();
+            faces
+        };
+        assert_eq!(origins(&made), origins(&flat));
+        // What is fit already stays as it is.
+        let (again, splits) = split_for_depth(&made, &Exec::default()).unwrap();
+        assert_eq!((again, splits), (made, Splits::default()));
     }
 }

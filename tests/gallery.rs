@@ -1,0 +1,71 @@
+//! The gallery is whole: every project file is on the page, and the page and its pictures belong together.
+//! `cargo run --release --example gallery` writes both.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()
+}
+
+fn page() -> String {
+    fs::read_to_string(root().join("docs/gallery.md")).unwrap()
+}
+
+/// The names in a folder that end in `.EXTENSION`.
+fn names(folder: &str, extension: &str) -> BTreeSet<String> {
+    let entries = fs::read_dir(root().join(folder)).unwrap();
+    entries
+        .map(|e| e.unwrap().file_name().into_string().unwrap())
+        .filter(|name| Path::new(name).extension().is_some_and(|e| e == extension))
+        .collect()
+}
+
+#[test]
+fn every_project_file_is_shown_with_its_command() {
+    let page = page();
+    let projects = names("meshes", "toml");
+    assert!(projects.contains("kiwi.toml"));
+    for project in projects {
+        assert!(
+            page.contains(&format!("    lapis run meshes/{project}\n")),
+            "docs/gallery.md does not show meshes/{project}; add it to tools/gallery/models.rs and run \
+             `cargo run --release --example gallery`"
+        );
+    }
+}
+
+#[test]
+fn pictures_and_page_belong_together() {
+    let page = page();
+    let named: BTreeSet<String> = page
+        .match_indices("src=\"images/gallery/")
+        .map(|(at, start)| page[at + start.len()..].split('"').next().unwrap().to_owned())
+        .collect();
+    let there = names("docs/images/gallery", "png");
+    assert!(named.len() > 4);
+    assert_eq!(named, there, "the page names one set of pictures, docs/images/gallery holds the other");
+    for name in there {
+        let bytes = fs::metadata(root().join("docs/images/gallery").join(&name)).unwrap().len();
+        assert!(bytes <= 250_000, "{name} has {bytes} bytes");
+    }
+}
+
+/// The pictures that a project file draws are those of the page: a picture that was added, renamed or
+/// removed since is noticed.
+#[test]
+fn the_page_shows_what_the_project_files_draw() {
+    let page = page();
+    for file in names("meshes", "toml") {
+        let project = lapis::project::Project::read(&root().join("meshes").join(&file)).unwrap();
+        let section =
+            page.split("\n## ").find(|s| s.contains(&format!("lapis run meshes/{file}\n"))).unwrap();
+        let shown = section.matches("<img ").count();
+        assert_eq!(shown, project.pictures.len() + 1, "{file}: its pictures and the exemplar's cube");
+        for picture in &project.pictures {
+            assert!(section.contains(&format!("images/gallery/{}.png\"", picture.entry.name)), "{file}");
+        }
+        assert!(section.contains(&format!("texture type {},", project.part.kind)), "{file}");
+    }
+}

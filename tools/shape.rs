@@ -1,0 +1,59 @@
+//! What the programs that make surfaces share: a last check, and the file.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use lapis::exec::Exec;
+use lapis::files;
+use lapis::mesh::{self, TriMesh};
+
+/// Writes `meshes/NAME.obj`, in thousandths of its unit, and says what it is like; fails where it does not
+/// enclose a solid.
+pub(crate) fn program(name: &str, mesh: TriMesh) -> ExitCode {
+    let TriMesh { vertices, triangles } = mesh;
+    let vertices = vertices.iter().map(|v| (v * 1000.0).round() / 1000.0).collect();
+    let mesh = TriMesh { vertices, triangles };
+    match mesh::defects(&mesh, &Exec::default()) {
+        Ok(found) if found.is_empty() && mesh.volume() > 0.0 => {}
+        Ok(found) => {
+            eprintln!("the surface has defects, or is inside out: {found}");
+            return ExitCode::FAILURE;
+        }
+        Err(e) => {
+            eprintln!("{e}");
+            return ExitCode::FAILURE;
+        }
+    }
+    let target = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("meshes/{name}.obj"));
+    if let Err(e) = files::write_whole(&target, &mesh::write_obj(&mesh)) {
+        eprintln!("cannot write {}: {e}", target.display());
+        return ExitCode::FAILURE;
+    }
+    eprintln!("{}", report(&mesh));
+    ExitCode::SUCCESS
+}
+
+fn report(mesh: &TriMesh) -> String {
+    let (mut shortest, mut longest, mut sharpest) = (f64::INFINITY, 0.0f64, 180.0f64);
+    for t in 0..mesh.triangles.len() {
+        let p = mesh.corners(t);
+        for n in 0..3 {
+            let (a, b, c) = (p[n], p[(n + 1) % 3], p[(n + 2) % 3]);
+            shortest = shortest.min(a.distance(b));
+            longest = longest.max(a.distance(b));
+            sharpest = sharpest.min((b - a).angle_between(c - a).to_degrees());
+        }
+    }
+    let (low, high) = mesh.bounds().unwrap_or_default();
+    let size = high - low;
+    format!(
+        "{} vertices, {} triangles, {:.1} × {:.1} × {:.1} mm, {:.1} ml, edges {shortest:.2} to {longest:.2} mm, \
+         angles from {sharpest:.0}°",
+        mesh.vertices.len(),
+        mesh.triangles.len(),
+        size.x,
+        size.y,
+        size.z,
+        mesh.volume() / 1000.0
+    )
+}

@@ -1,0 +1,203 @@
+//! Paints the watermelon's exemplar, a solid texture of 64³ voxels, and writes `exemplars/watermelon.nrrd`.
+//!
+//!     cargo run --release --example watermelon_exemplar                       paints it anew
+//!     cargo run --release --example watermelon_exemplar -- --preview DIR      also shows how it will look
+//!
+//! Texture axes: y is depth (0 outside, 1 the fruit's core), x and z run alike along its layers. One unit is
+//! some [`UNIT`] millimetres in the sample fruit. It tiles along x and z. Patches are turned at random about
+//! the depth, so nothing here has a direction but along depth; every feature is small in x and z, and colours
+//! differ over large distances with depth only: so the seams between patches do not show [LST 7].
+
+mod brush;
+
+use std::f64::consts::{PI, TAU};
+use std::io;
+use std::path::Path;
+use std::process::ExitCode;
+
+use brush::{Dice, Paint, around, mix, noise, picture, srgb, step};
+use lapis::colour::LinearRgba;
+use lapis::volume::SolidTexture;
+
+/// Millimetres that one unit of texture covers, the inverse of the depth's gradient in the sample fruit.
+const UNIT: f64 = 86.0;
+/// Seeds in the texture: some 700 in the fruit.
+const SEEDS: usize = 112;
+/// Depths between which all of each seed lies.
+const ZONE: [f64; 2] = [0.47, 0.84];
+
+fn main() -> ExitCode {
+    let melon = Melon::new();
+    brush::program("watermelon", [true, false, true], |p| melon.colour(p), preview)
+}
+
+/// A flat teardrop whose point shows to the core.
+struct Seed {
+    centre: [f64; 3],
+    /// Which way its breadth shows: a unit vector in (x, z).
+    broad: [f64; 2],
+    /// How far its point leans along breadth and thickness for each unit of y.
+    lean: [f64; 2],
+    /// Half its breadth, length (along depth) and thickness.
+    half: [f64; 3],
+    brown: f64,
+}
+
+struct Melon {
+    seeds: Vec<Seed>,
+}
+
+impl Melon {
+    fn new() -> Self {
+        let mut dice = Dice::new(1753);
+        let mut seeds: Vec<Seed> = Vec::new();
+        let mut apart = 0.15;
+        while seeds.len() < SEEDS {
+            let size = dice.between(0.9, 1.1);
+            let half = [3.9, 6.4, 2.1].map(|mm| size * mm / UNIT);
+            // Most lie in the middle of their zone.
+            let spread = 0.5 * (dice.between(0.0, 1.0) + dice.between(0.0, 1.0));
+            let y = ZONE[0] + half[1] + (ZONE[1] - ZONE[0] - 2.0 * half[1]) * spread;
+            let centre = [dice.between(0.0, 1.0), y, dice.between(0.0, 1.0)];
+            let near = |other: &Seed| {
+                let d: [f64; 3] = std::array::from_fn(|n| {
+                    let d = centre[n] - other.centre[n];
+                    if n == 1 { 0.7 * d } else { around(d) }
+                });
+                d.iter().map(|d| d * d).sum::<f64>() < apart * apart
+            };
+            if seeds.iter().any(near) {
+                // The more there are, the nearer they may lie.
+                apart = (apart * 0.9995f64).max(0.075);
+                continue;
+            }
+            let angle = dice.between(0.0, TAU);
+            seeds.push(Seed {
+                centre,
+                broad: [angle.cos(), angle.sin()],
+                lean: [dice.between(-0.3, 0.3), dice.between(-0.2, 0.2)],
+                half,
+                brown: dice.between(0.0, 1.0),
+            });
+        }
+        Self { seeds }
+    }
+
+    fn colour(&self, p: [f64; 3]) -> Paint {
+        let flesh = flesh(p);
+        let with_seeds = self.with_seeds(p, flesh);
+        with_rind(p, with_seeds)
+    }
+
+    fn with_seeds(&self, p: [f64; 3], under: Paint) -> Paint {
+        if !(ZONE[0] - 0.1..ZONE[1] + 0.1).contains(&p[1]) {
+            return under;
+        }
+        // The seed that is nearest in its own measure.
+        let mut near = (f64::INFINITY, 0.0, 0.0);
+        for seed in &self.seeds {
+            let y = p[1] - seed.centre[1];
+            let t = y / seed.half[1];
+            if t.abs() > 2.0 {
+                continue;
+            }
+            let (x, z) = (around(p[0] - seed.centre[0]), around(p[2] - seed.centre[2]));
+            let a = (x * seed.broad[0] + z * seed.broad[1] - y * seed.lean[0]) / seed.half[0];
+            let b = (z * seed.broad[0] - x * seed.broad[1] - y * seed.lean[1]) / seed.half[2];
+            // Round at the outer end, pointed at the end towards the core.
+            let taper = 1.0 - 0.38 * t.clamp(-1.0, 1.0);
+            let distance = ((a * a + b * b) / (taper * taper) + t * t).sqrt();
+            if distance < near.0 {
+                near = (distance, 0.6 * a - 0.5 * t + 0.3 * b, seed.brown);
+            }
+        }
+        let (distance, shine, brown) = near;
+        let halo = mix(under, srgb(244, 150, 128), 0.45 * step(1.6, 1.15, distance));
+        let body = mix(srgb(24, 14, 11), srgb(50, 29, 20), brown);
+        let body = mix(body, srgb(126, 92, 70), 0.5 * step(0.45, 0.8, shine) * step(0.3, 0.8, distance));
+        mix(halo, body, step(1.1, 0.96, distance))
+    }
+}
+
+/// Flesh, from the white of the rind to the heart.
+fn flesh(p: [f64; 3]) -> Paint {
+    let y = p[1];
+    // Fibres that run with depth; cells full of juice; and how ripe it is here.
+    let fibre = noise(p, [22, 3, 22], 1) + 0.7 * noise(p, [31, 6, 31], 2);
+    let grain = noise(p, [29, 29, 29], 3);
+    let juice = noise(p, [13, 11, 13], 4) + 0.5 * noise(p, [21, 18, 21], 5);
+
+    let red = mix(srgb(218, 44, 50), srgb(186, 22, 36), 0.5 + 0.55 * juice);
+    let red = mix(red, srgb(150, 12, 26), 0.45 * step(0.2, 0.9, -grain));
+    let red = mix(red, srgb(240, 104, 96), 0.55 * step(0.25, 0.8, grain));
+    let calm = step(0.93, 0.80, y);
+    let red = mix(red, srgb(246, 148, 130), 0.5 * calm * step(0.45, 1.1, fibre));
+    let red = mix(red, srgb(166, 14, 30), 0.4 * calm * step(0.4, 1.1, -fibre));
+    // The heart is lighter, and melts.
+    let heart = mix(srgb(226, 66, 66), srgb(238, 104, 96), 0.5 + 0.5 * juice + 0.3 * grain);
+    let red = mix(red, heart, 0.7 * step(0.80, 0.97, y));
+
+    // Towards the rind it is paler, along the fibres first.
+    let edge = 0.150 + 0.014 * fibre + 0.008 * juice;
+    let blush = mix(srgb(248, 190, 166), srgb(236, 96, 88), step(0.02, 0.09, y - edge));
+    let blush = mix(blush, srgb(250, 206, 180), 0.5 * step(0.3, 1.0, fibre));
+    let flesh = mix(blush, red, step(0.05, 0.15, y - edge));
+    let white = mix(srgb(198, 220, 150), srgb(240, 240, 214), step(0.05, 0.12, y));
+    let white = mix(white, srgb(182, 208, 134), 0.4 * step(0.2, 0.9, grain) * step(0.13, 0.06, y));
+    mix(white, flesh, step(-0.015, 0.04, y - edge))
+}
+
+/// The rind: a marbled skin over green that fades inwards.
+fn with_rind(p: [f64; 3], under: Paint) -> Paint {
+    let [x, y, z] = p;
+    if y > 0.12 {
+        return under;
+    }
+    let skin = skin([x, 0.0, z]);
+    let green = mix(skin, srgb(120, 162, 74), step(0.020, 0.036, y));
+    mix(green, under, step(0.03, 0.085, y + 0.006 * noise([x, 0.0, z], [18, 1, 18], 6)))
+}
+
+/// Dark, frayed bands that wind over a paler ground with a net of fine veins.
+fn skin(p: [f64; 3]) -> Paint {
+    let at = |dx: f64, dz: f64| [p[0] + dx, 0.0, p[2] + dz];
+    let warp = |stream| noise(p, [7, 1, 7], stream) + 0.5 * noise(p, [14, 1, 14], stream + 1);
+    let bent = at(0.034 * warp(10), 0.034 * warp(12));
+    let band = noise(bent, [6, 1, 6], 14) + 0.35 * noise(bent, [10, 1, 10], 15);
+    let fray = 0.20 * noise(p, [17, 1, 17], 16) + 0.16 * noise(p, [27, 1, 27], 17);
+    let vein = (noise(bent, [11, 1, 11], 18) + 0.25 * noise(p, [22, 1, 22], 19)).abs();
+    let speck = noise(p, [26, 1, 26], 20);
+
+    let pale = mix(srgb(140, 172, 86), srgb(172, 198, 118), 0.5 + 0.6 * speck);
+    let pale = mix(pale, srgb(66, 112, 52), 0.6 * step(0.20, 0.04, vein));
+    let dark = mix(srgb(16, 48, 24), srgb(34, 76, 34), 0.5 + 0.6 * speck);
+    mix(pale, dark, step(-0.14, 0.12, 0.20 + fray - band.abs()))
+}
+
+const WHITE: LinearRgba = [1.0; 4];
+
+/// Pictures that show how the texture will look in a fruit.
+fn preview(folder: &Path, texture: &SolidTexture) -> io::Result<()> {
+    let look = |x: f64, y: f64, z: f64| texture.sample([x as f32, y as f32, z as f32]);
+    picture(&folder.join("slice-x.png"), |u, v| look(0.3, v, u))?;
+    picture(&folder.join("slice-y-outside.png"), |u, v| look(2.0 * u, 0.0, 2.0 * v))?;
+    picture(&folder.join("slice-y-seeds.png"), |u, v| look(u, 0.66, v))?;
+    // Across: a depth that is nearly a parabola, and seven units around.
+    picture(&folder.join("across.png"), |u, v| {
+        let (a, b) = (2.1 * u - 1.05, 2.1 * v - 1.05);
+        let r = a.hypot(b);
+        if r > 1.0 { WHITE } else { look(0.3, 1.0 - r * r, 4.0 * b.atan2(a) / TAU) }
+    })?;
+    // The outside, lit from the front.
+    picture(&folder.join("outside.png"), |u, v| {
+        let (a, b) = (2.1 * u - 1.05, 2.1 * v - 1.05);
+        let r = a.hypot(b);
+        if r > 1.0 {
+            return WHITE;
+        }
+        let belt = (1.0 - a * a).sqrt();
+        let c = look(a.asin() * 1.3, 0.0, (b / belt).asin() / PI * 4.0 * belt);
+        let light = 0.25 + 0.75 * (1.0 - r * r).sqrt() as f32;
+        [c[0] * light, c[1] * light, c[2] * light, 1.0]
+    })
+}
