@@ -61,15 +61,15 @@ pub(crate) fn conjugate_gradients<const N: usize>(
             }
         });
         size = next;
-        if size.iter().any(|s| !s.is_finite() || *s < 0.0) {
-            break;
+        if curvature.iter().chain(&size).any(|s| !s.is_finite() || *s < 0.0) {
+            return Err(IterationError::Solve(SolveError::NotPositiveDefinite { size: n }));
         }
     }
-    Err(IterationError::Solve(SolveError::NotPositiveDefinite { size: n }))
+    Err(IterationError::Solve(SolveError::NotConverged { size: n }))
 }
 
 /// The inner product of each side.
-pub(crate) fn dot<const N: usize>(a: &[[f64; N]], b: &[[f64; N]]) -> [f64; N] {
+fn dot<const N: usize>(a: &[[f64; N]], b: &[[f64; N]]) -> [f64; N] {
     let sums: Vec<[f64; N]> = a
         .par_chunks(CHUNK)
         .zip(b.par_chunks(CHUNK))

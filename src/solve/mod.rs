@@ -7,7 +7,7 @@ mod conjugate;
 mod dense;
 mod dissection;
 
-pub(crate) use conjugate::{IterationError, add, conjugate_gradients, dot};
+pub(crate) use conjugate::{IterationError, add, conjugate_gradients};
 pub use dense::solve_dense_spd;
 pub use dissection::nested_dissection;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -24,6 +24,12 @@ pub enum SolveError {
     /// The matrix has a zero or negative pivot: something is unconstrained.
     #[error("the {size}×{size} system is not positive definite")]
     NotPositiveDefinite {
+        /// Number of unknowns.
+        size: usize,
+    },
+    /// An iteration did not come near the solution.
+    #[error("the iteration for the {size}×{size} system does not come to an end")]
+    NotConverged {
         /// Number of unknowns.
         size: usize,
     },
