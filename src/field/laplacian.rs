@@ -77,7 +77,7 @@ enum Solver<'a> {
 }
 
 /// The most vertices for which the matrix is factored.
-const FACTORED: usize = 40_000;
+const FACTORED: usize = 12_000;
 
 impl<'a> Smoother<'a> {
     /// `stiffness` is μ; `pull` is ε, which may be 0 where every connected component has a pin.
