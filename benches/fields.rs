@@ -48,7 +48,7 @@ fn fields(criterion: &mut Criterion) {
     let exec = Exec::default();
     let middle = |z: f64| DVec3::new(0.5, 0.5, z);
     let axis = DepthStroke { points: vec![middle(0.0), middle(1.0)], depth: 1.0 };
-    let paint = DepthPaint { skin: Some(0.0), strokes: vec![axis] };
+    let paint = DepthPaint { skin: Some(0.0), strokes: vec![axis], ..DepthPaint::default() };
     let depth_params = DepthParams::default();
     let depth = depth_field(&mesh, &paint, &depth_params, &exec).expect("skin and axis make a depth");
     let along = [DirectionStroke { points: vec![DVec3::new(0.1, 0.1, 0.1), DVec3::new(0.1, 0.1, 0.9)] }];

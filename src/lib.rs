@@ -12,6 +12,7 @@
 //! | [`lap`] | [`lap::LappedSolid`]: the mesh filled with overlapping patches |
 //! | [`cut`] | pieces, each a whole lapped solid |
 //! | [`render`], [`export`] | pictures; GLB and PLY |
+//! | [`paint`] | what was painted over pictures, in space |
 //! | [`project`] | the TOML file that names all inputs, and its run |
 
 pub mod colour;
@@ -22,6 +23,7 @@ pub mod field;
 pub mod files;
 pub mod lap;
 pub mod mesh;
+pub mod paint;
 pub mod project;
 pub mod render;
 pub mod solve;

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use common::{Bench, ball};
 
-const EXTENSIONS: [&str; 6] = ["obj", "stl", "ply", "off", "glb", "gltf"];
+const EXTENSIONS: [&str; 8] = ["obj", "stl", "ply", "off", "glb", "gltf", "vtu", "msh"];
 
 /// Runs commands that must be refused, each within a time, and without any new file.
 fn refused(bench: &Bench, cases: &[(&str, i32, &[&str])]) {
@@ -111,6 +111,60 @@ fn mesh_files() {
 }
 
 #[test]
+fn files_of_tetrahedra() {
+    let bench = Bench::new();
+    bench.ok("tetrahedralise ball.obj --tets 300 -o whole.vtu");
+    let whole = String::from_utf8(bench.read("whole.vtu")).unwrap();
+    bench.file("cut.vtu", &whole[..whole.len() / 2]);
+    bench.file("tail.vtu", &whole[..whole.len() - 12]);
+    bench.file("lz4.vtu", whole.replace("ZLib", "LZ4"));
+    bench.file("poly.vtu", whole.replace("\"UnstructuredGrid\"", "\"PolyData\""));
+    bench.file("many.vtu", whole.replace("NumberOfPoints=\"", "NumberOfPoints=\"99999999"));
+    let cube = |kind: &str| {
+        format!(
+            "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\">\
+             <Points><DataArray type=\"Float32\">0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points><Cells>\
+             <DataArray type=\"Int32\" Name=\"connectivity\">0 1 2 3</DataArray><DataArray type=\"Int32\" \
+             Name=\"offsets\">4</DataArray><DataArray type=\"Int8\" Name=\"types\">{kind}</DataArray></Cells></Piece>\
+             </UnstructuredGrid></VTKFile>"
+        )
+    };
+    bench.file("hex.vtu", cube("12"));
+    bench.file("quad.vtu", cube("9"));
+    let msh = |version: &str, element: &str| {
+        format!(
+            "$MeshFormat\n{version} 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n\
+             $Elements\n1\n{element}\n$EndElements\n"
+        )
+    };
+    bench.file("one.msh", msh("1", "1 4 0 1 2 3 4"));
+    bench.file("forty.msh", msh("4.0", "1 4 0 1 2 3 4"));
+    bench.file("node.msh", msh("2.2", "1 4 0 1 2 3 5"));
+    bench.file("flat.msh", msh("2.2", "1 4 0 1 2 3 3"));
+    bench.file("many.msh", msh("2.2", "1 4 0 1 2 3 4").replace("$Nodes\n4", "$Nodes\n4000000000"));
+    bench.file("alone.node", "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n");
+    refused(
+        &bench,
+        &[
+            (&fill("cut.vtu"), 1, &["cut.vtu", "line"]),
+            (&fill("tail.vtu"), 1, &["tail.vtu", "ends early"]),
+            (&fill("lz4.vtu"), 1, &["lz4.vtu", "line 2", "LZ4", "zlib"]),
+            (&fill("poly.vtu"), 1, &["poly.vtu", "PolyData"]),
+            (&fill("many.vtu"), 1, &["many.vtu", "99999999"]),
+            (&fill("hex.vtu"), 1, &["hex.vtu", "cell 0", "hexahedron", "Tetrahedralize"]),
+            (&fill("quad.vtu"), 1, &["quad.vtu", "no tetrahedra", "lapis tetrahedralise"]),
+            (&fill("one.msh"), 1, &["one.msh", "line 2", "version 1", "gmsh"]),
+            (&fill("forty.msh"), 1, &["forty.msh", "version 4", "msh41"]),
+            (&fill("node.msh"), 1, &["node.msh", "line 13", "element 1", "node 5"]),
+            (&fill("flat.msh"), 1, &["flat.msh", "tetrahedron 0", "flat"]),
+            (&fill("many.msh"), 1, &["many.msh", "4000000000"]),
+            (&fill("alone.node"), 1, &["alone.ele"]),
+            ("tetrahedralise ball.obj -o t.msh", 2, &["t.msh", ".vtu"]),
+        ],
+    );
+}
+
+#[test]
 fn volumes_and_settings() {
     let bench = Bench::new();
     let header = |sizes: &str| {
@@ -205,7 +259,8 @@ fn models_strokes_and_outputs() {
             ("render m.lapis -o p.png --apart -1", 2, &["--apart"]),
             ("render m.lapis -o missing/p.png", 1, &["missing", "does not exist"]),
             ("render m.lapis -o file/p.png", 1, &["file"]),
-            ("export m.lapis -o m.stl", 2, &["m.stl", ".glb and .ply"]),
+            ("export m.lapis -o m.dae", 2, &["m.dae", ".glb, .obj, .ply, .stl, .vtu"]),
+            ("export m.lapis -o missing/m.obj", 1, &["missing", "does not exist"]),
             ("export m.lapis -o m.glb --atlas 100", 2, &["100"]),
             ("export m.lapis -o .", 2, &["formats"]),
             ("export m.lapis -o m.lapis", 2, &["formats"]),
@@ -227,4 +282,197 @@ fn models_strokes_and_outputs() {
             ],
         );
     }
+}
+
+/// Tetrahedra that need no mesher, type 2b: every case below paints something over it, or changes it.
+const PAINTED: &str = r#"
+[mesh]
+file = "t.node"
+[texture]
+volume = "volume.nrrd"
+type = "2b"
+[depth]
+skin = 0.2
+[[depth.stroke]]
+depth = 1
+points = [[0, 0, -0.4], [0, 0, 0.4]]
+[[direction.stroke]]
+points = [[0.8, 0, -0.5], [0.8, 0, 0.5]]
+[[cut]]
+name = "half"
+plane = [0, 0, 1, 0.1]
+"#;
+
+fn painted_bench() -> Bench {
+    let bench = Bench::new();
+    let (nodes, cells) = common::tets(4);
+    bench.file("t.node", nodes);
+    bench.file("t.ele", cells);
+    bench.file("empty.svg", "<svg viewBox='0 0 1 1'><rect width='1' height='1'/></svg>");
+    bench.file("line.svg", "<svg viewBox='0 0 1 1'><path id='a' d='M0 .5H1'/></svg>");
+    bench.file("unsized.svg", "<svg><path d='M0 .5H1'/></svg>");
+    bench.file("broken.svg", "<svg viewBox='0 0 1 1'><path d='M0 .5");
+    bench.file("odd.svg", "<svg viewBox='0 0 1 1'>\n<path d='M0 .5 K'/></svg>");
+    bench
+}
+
+#[test]
+fn paint() {
+    let bench = painted_bench();
+    bench.file("p.toml", PAINTED);
+    bench.ok("run p.toml -o good");
+    std::fs::remove_dir_all(bench.path("good")).unwrap();
+    let depth = |keys: &str| format!("[[depth.stroke]]\ndepth = 0.6\n{keys}\n");
+    let direction = |keys: &str| format!("[[direction.stroke]]\n{keys}\n");
+    let fill = |keys: &str| format!("[[depth.fill]]\ndepth = 0.6\n{keys}\n");
+    let face = |keys: &str| format!("[[depth.face]]\ndepth = 0.6\n{keys}\n");
+    let region = |name: &str, depth: f64| format!("[[depth.region]]\nname = \"{name}\"\ndepth = {depth}\n");
+    let screen = "screen = [[0.4, 0.5], [0.6, 0.5]]";
+    let cases: Vec<(String, Vec<&str>)> = vec![
+        (
+            region("peel", 0.0) + &region("peel", 1.0),
+            vec!["depth.region[0] and depth.region[1]", "'peel'", "keep one"],
+        ),
+        (region("peel", 0.0), vec!["depth.region[0]", "'peel'", "names none"]),
+        (region("peel", 2.0), vec!["depth.region[0].depth = 2", "between 0"]),
+        (depth("points = [[5, 5, 5]]"), vec!["depth.stroke[1]", "outside the mesh"]),
+        (depth("points = [[5, 5, 5]]\nlayer = 0.5"), vec!["depth.stroke[1]", "bounding box"]),
+        (direction("points = [[5, 5, 5], [6, 6, 6]]"), vec!["direction.stroke[1]", "bounding box"]),
+        (depth("screen = [[0, 0.01], [1, 0.01]]"), vec!["depth.stroke[1]", "runs past", "fills the picture"]),
+        (
+            direction("screen = [[0, 0.01], [1, 0.01]]"),
+            vec!["direction.stroke[1]", "runs past", "fills the picture"],
+        ),
+        (direction("screen = [[0.5, 0.5]]"), vec!["direction.stroke[1]", "no length"]),
+        (depth(screen), vec!["depth.stroke[1]", "another depth"]),
+        (
+            fill("pick = [0.01, 0.01]"),
+            vec!["depth.fill[0]", "nothing of the model is seen", "fills the picture"],
+        ),
+        (face("pick = [[0.5, 0.5], [0.01, 0.01]]"), vec!["depth.face[0]", "[0.01, 0.01]", "nothing"]),
+        (face("at = [9, 0, 0]"), vec!["depth.face[0]", "[9, 0, 0]", "away from the surface"]),
+        (face("at = []"), vec!["depth.face[0]", "empty"]),
+        (fill("pick = []"), vec!["depth.fill[0]", "empty"]),
+        (fill(""), vec!["depth.fill[0]", "exactly one of `at`", "`pick`"]),
+        (fill("at = 3"), vec!["[x, y, z]"]),
+        (fill("at = [1, 0, 0]\nangle_deg = 0"), vec!["depth.fill[0].angle_deg = 0", "degrees"]),
+        (fill("at = [1, 0, 0]\nfrom = [1, 0, 0]"), vec!["depth.fill[0]", "`from`"]),
+        (direction("points = [[0.3, 0, 0], [0.8, 0, 0]]"), vec!["direction.stroke[1]", "gradient", "layer"]),
+        (
+            direction(&format!("{screen}\nlayer = 0.1")),
+            vec!["direction.stroke[1]", "layer of depth 0.1 is empty", "0.2"],
+        ),
+        (depth(&format!("{screen}\nlayer = 2")), vec!["depth.stroke[1].layer = 2", "between 0"]),
+        (depth(&format!("{screen}\non = \"haf/1\"")), vec!["depth.stroke[1].on", "'haf/1'", "'half/1'"]),
+        (depth(&format!("{screen}\non = \"half/7\"")), vec!["depth.stroke[1]", "'half/7'", "2 pieces"]),
+        (depth(&format!("{screen}\non = \"half\"")), vec!["depth.stroke[1]", "one piece"]),
+        (
+            depth(&format!("{screen}\ncamera = {{ eye = [0, 0, 0], target = [1, 0, 0] }}")),
+            vec!["depth.stroke[1]", "inside"],
+        ),
+        (
+            depth(&format!("{screen}\ncamera = {{ eye = [5, 0, 0], target = [9, 0, 0] }}")),
+            vec!["depth.stroke[1]", "turned away"],
+        ),
+        (
+            depth(&format!("{screen}\ncamera = {{ eye = [5, 0, 0], target = [5, 0, 0] }}")),
+            vec!["depth.stroke[1]", "eye and target"],
+        ),
+        (
+            depth(&format!("{screen}\ncamera = {{ eye = [5, 0, 0], target = [0, 0, 0] }}\nfrom = [1, 0, 0]")),
+            vec!["depth.stroke[1]", "`camera` and `from`"],
+        ),
+        (
+            depth(&format!("{screen}\npoints = [[0, 0, 0]]")),
+            vec!["depth.stroke[1]", "exactly one of `points`", "`screen`"],
+        ),
+        (depth(""), vec!["depth.stroke[1]", "exactly one of `points`"]),
+        (depth("points = []"), vec!["depth.stroke[1]", "empty"]),
+        (depth("screen = []"), vec!["depth.stroke[1]", "empty"]),
+        (depth("screen = [[nan, 0.5]]"), vec!["depth.stroke[1].screen", "fractions"]),
+        (
+            depth("points = [[0, 0, 0]]\ncamera = { eye = [5, 0, 0], target = [0, 0, 0] }"),
+            vec!["depth.stroke[1]", "camera"],
+        ),
+        (depth("points = [[0, 0, 0]]\non = \"half/1\""), vec!["depth.stroke[1]", "`on`"]),
+        (depth("points = [[0, 0, 0]]\nid = \"a\""), vec!["depth.stroke[1]", "`id`", "`svg`"]),
+        (depth("points = [[0, 0, 0]]\nlayr = 0.5"), vec!["'layr'", "'layer'"]),
+        (depth("svg = \"empty.svg\""), vec!["depth.stroke[1].svg", "empty.svg", "no line"]),
+        (depth("svg = \"none.svg\""), vec!["depth.stroke[1].svg", "none.svg"]),
+        (depth("svg = \"unsized.svg\""), vec!["unsized.svg", "viewBox"]),
+        (depth("svg = \"broken.svg\""), vec!["broken.svg", "XML"]),
+        (depth("svg = \"odd.svg\""), vec!["odd.svg", "line 2", "d="]),
+        (depth("svg = \"line.svg\"\nid = \"b\""), vec!["line.svg", "'b'", "'a'"]),
+    ];
+    let refused = |project: String, words: &[&str]| {
+        bench.file("p.toml", &project);
+        let before = bench.names();
+        bench.run("run p.toml --json").refused(1, words);
+        assert_eq!(bench.names(), before, "{project} left something behind");
+    };
+    for (more, words) in cases {
+        refused(format!("{PAINTED}{more}"), &words);
+    }
+    let axis = "depth = 1\npoints = [[0, 0, -0.4], [0, 0, 0.4]]";
+    for (right, wrong, words) in [
+        ("depth = 1\n", "depth = 0.2\n", &["depth cannot be painted", "has depth 0.2", "two"][..]),
+        (
+            axis,
+            "depth = 1\nscreen = [[0.5, 0.5]]\nlayer = 0.5",
+            &["depth.stroke[0]", "`layer`", "two depths"],
+        ),
+        (
+            "skin = 0.2\n[[depth.stroke]]\ndepth = 1\n",
+            "[[depth.stroke]]\ndepth = 1\nlayer = 0.5\n",
+            &["depth.stroke[0]", "`layer`"],
+        ),
+        ("plane = [0, 0, 1, 0.1]", "svg = \"line.svg\"\nid = \"b\"", &["'half'", "'b'", "'a'"]),
+        ("plane = [0, 0, 1, 0.1]", "svg = \"line.svg\"\nclosed = true", &["'half'", "`closed`"]),
+    ] {
+        assert!(PAINTED.contains(right), "{right}");
+        refused(PAINTED.replace(right, wrong), words);
+    }
+}
+
+#[test]
+fn scales_and_directions_of_fibres() {
+    let bench = painted_bench();
+    let head = "[mesh]\nfile = \"t.node\"\n[texture]\nvolume = \"volume.nrrd\"\ntype = \"1a\"\n[scale]\neverywhere = 1\n";
+    let along = "[direction]\nconstant = [0, 0, 1]\n";
+    let at = |place: &str, scale: f64| format!("[[scale.at]]\n{place}\nscale = {scale}\n");
+    for (more, words) in [
+        (
+            at("point = [0, 0, 0]", 0.5) + &at("point = [0, 0, 0.01]", 0.8),
+            &["scale.at[1]", "0.8", "scale.at[0]", "0.5"][..],
+        ),
+        (at("pick = [0.5, 0.5]", 0.5) + &at("pick = [0.5, 0.5]", 0.8), &["scale.at[1]", "scale.at[0]"]),
+        (at("point = [0, 0, 0]", 0.0), &["scale.at[0].scale = 0", "greater than 0"]),
+        (at("point = [0, 0, 0]", -1.0), &["scale.at[0].scale = -1", "greater than 0"]),
+        (at("point = [9, 0, 0]", 0.5), &["scale.at[0]", "bounding box"]),
+        (at("pick = [0.01, 0.01]", 0.5), &["scale.at[0]", "nothing"]),
+        (at("", 0.5), &["scale.at[0]", "exactly one of `point` and `pick`"]),
+        (at("point = [0, 0, 0]\nfrom = [1, 0, 0]", 0.5), &["scale.at[0]", "`from`"]),
+    ] {
+        bench.file("p.toml", format!("{head}{more}{along}"));
+        bench.run("run p.toml").refused(1, words);
+    }
+    let layer = "[[direction.stroke]]\nscreen = [[0.4, 0.5], [0.6, 0.5]]\nlayer = 0.5\n";
+    bench.file("p.toml", format!("{head}{layer}"));
+    bench.run("run p.toml").refused(1, &["direction.stroke[0]", "`layer`", "no depth"]);
+    let rest =
+        |arguments: &str| format!("fill t.node --texture volume.nrrd --type 2b -o out.lapis {arguments}");
+    bench.ok("fill t.node --texture volume.nrrd --type 0 --scale 1 -o m.lapis");
+    refused(
+        &bench,
+        &[
+            (&rest("--core 9,9,9 --direction 0,0,1"), 1, &["--core", "outside the mesh"]),
+            (&rest("--core 0,0,0 --skin 1 --direction 0,0,1"), 1, &["depth", "two"]),
+            ("cut m.lapis --stroke empty.svg -o pieces", 1, &["empty.svg", "no line"]),
+            ("cut m.lapis --stroke line.svg --id b -o pieces", 1, &["line.svg", "'b'", "'a'"]),
+            ("cut m.lapis --stroke line.svg --camera none.toml -o pieces", 1, &["none.toml"]),
+            ("cut m.lapis --plane 0,0,1,0 --camera none.toml -o pieces", 2, &["--stroke"]),
+            ("cut m.lapis --plane 0,0,1,0 --id a -o pieces", 2, &["--stroke"]),
+            ("info empty.svg", 1, &["empty.svg", "no line"]),
+        ],
+    );
 }

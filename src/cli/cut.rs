@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use lapis::cut::{CutParams, CutSurface, cut};
+use lapis::paint::View;
 use lapis::project::{OutputError, OutputFolder, Report};
-use lapis::render::frame_all;
-use lapis::view::StrokeFile;
+use lapis::view::{StrokeFile, read_camera};
 
 use super::failure::Failure;
 use super::options::Shared;
@@ -21,9 +21,15 @@ pub(crate) struct Args {
     /// The filled model
     #[arg(value_name = "MODEL.lapis")]
     model: PathBuf,
-    /// A stroke file: points over a picture, and the camera that took it
+    /// A stroke over a picture: an SVG drawing, or TOML with points and the camera that took the picture
     #[arg(long, value_name = "FILE", group = "surface")]
     stroke: Option<PathBuf>,
+    /// The id of the drawing's line, where it has several
+    #[arg(long, value_name = "ID", requires = "stroke")]
+    id: Option<String>,
+    /// The camera file of the picture, where the stroke has none [default: one that frames the model]
+    #[arg(long, value_name = "FILE", requires = "stroke")]
+    camera: Option<PathBuf>,
     /// The plane of all points x with n·x = d
     #[arg(long, value_name = "NX,NY,NZ,D", value_parser = values::plane, group = "surface",
           allow_hyphen_values = true)]
@@ -58,7 +64,11 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
             return Err(OutputError::Exists(first.clone()).into());
         }
         let mut folder = OutputFolder::check(&args.output)?;
-        let stroke = args.stroke.as_deref().map(StrokeFile::read).transpose()?;
+        let stroke = match &args.stroke {
+            Some(file) => Some(StrokeFile::read(file, args.id.as_deref())?),
+            None => None,
+        };
+        let camera = args.camera.as_deref().map(read_camera).transpose()?;
         let start = Instant::now();
         let solid = read_model(&args.model)?;
         let mut report = Report::default();
@@ -68,8 +78,8 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         let surface = match (&args.plane, stroke) {
             (Some(plane), _) => plane.clone(),
             (None, Some(file)) => {
-                let camera = file.camera.unwrap_or_else(|| frame_all(&[(&solid).into()], 1.0));
-                CutSurface::Stroke { stroke: file.stroke, camera }
+                let view = View { camera: camera.or(file.camera), from: None, aspect: file.aspect };
+                CutSurface::Stroke { stroke: file.stroke, camera: view.camera_on(&solid) }
             }
             // The group is required: clap has refused this already.
             (None, None) => return Err(Failure::usage("one of --stroke and --plane is needed")),

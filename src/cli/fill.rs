@@ -3,10 +3,14 @@
 use std::path::PathBuf;
 
 use glam::DVec3;
-use lapis::field::{DepthPaint, DepthParams, DepthStroke};
+use lapis::field::DepthParams;
 use lapis::lap::{FillParams, TextureType};
 use lapis::mesh::TetParams;
-use lapis::project::{DepthInput, DirectionInput, OutputFile, Part, PartError, ScaleInput, fill_part};
+use lapis::paint::{DepthPaint, DepthStroke, Place};
+use lapis::project::{
+    DepthInput, DirectionInput, MAX_REFINE_SINGULAR, MadePart, OutputFile, Part, PartError, ScaleInput,
+    fill_part,
+};
 
 use super::failure::Failure;
 use super::options::{Session, Shared};
@@ -36,8 +40,15 @@ pub(crate) struct Args {
     /// Types 1b, 2a, 2b: the depth of the mesh's surface [default: 0]
     #[arg(long, value_name = "DEPTH", value_parser = values::depth, allow_hyphen_values = true, requires = "core")]
     skin: Option<f64>,
+    /// Let the outside keep the mesh's own look (its materials, pictures or vertex colours): cuts show the
+    /// texture
+    #[arg(long)]
+    keep_look: bool,
     #[command(flatten)]
     tets: TetParams,
+    /// Refine the tetrahedra at singularities of the frames so often; each level halves their edges
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=i64::from(MAX_REFINE_SINGULAR)))]
+    refine_singular: u32,
     #[command(flatten)]
     fill: FillParams,
     #[command(flatten)]
@@ -51,15 +62,21 @@ pub(crate) struct Args {
 
 impl Args {
     fn part(self) -> Part {
-        let strokes: Vec<DepthStroke> =
-            self.core.into_iter().map(|line| DepthStroke { points: line.0, depth: 1.0 }).collect();
+        let core = |line: Polyline| DepthStroke {
+            key: "--core".to_owned(),
+            place: Place::points(line.0),
+            depth: 1.0,
+        };
+        let strokes: Vec<DepthStroke> = self.core.into_iter().map(core).collect();
         let depth = (!strokes.is_empty()).then(|| DepthInput {
-            paint: DepthPaint { skin: Some(self.skin.unwrap_or(0.0)), strokes },
+            paint: DepthPaint { skin: Some(self.skin.unwrap_or(0.0)), areas: Vec::new(), strokes },
             params: self.depth,
         });
         Part {
             mesh: self.mesh,
             tets: self.tets,
+            refine_singular: self.refine_singular,
+            keep_look: self.keep_look,
             volume: self.texture,
             kind: self.kind,
             depth,
@@ -67,6 +84,7 @@ impl Args {
             scale: self.scale.map(|everywhere| ScaleInput { everywhere, at: Vec::new() }),
             along: None,
             across: None,
+            cuts: Vec::new(),
             fill: self.fill,
         }
     }
@@ -86,7 +104,7 @@ pub(crate) fn main(args: Args) -> Result<(), Failure> {
             return Err(Failure::usage(format!("--{option} {value}: it must be {range}")));
         }
         let output = OutputFile::check(&output, shared.force)?;
-        let (solid, mut report) =
+        let MadePart { solid, mut report, .. } =
             fill_part(&part, shared.seed.unwrap_or(0), &Session::mesher(), session.exec())?;
         session.exec().check()?;
         output.write(&solid.to_bytes())?;

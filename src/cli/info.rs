@@ -6,9 +6,9 @@ use glam::DVec3;
 use lapis::colour::encode;
 use lapis::files::read_whole;
 use lapis::lap::LappedSolid;
-use lapis::mesh::{FaceOrigin, TetLocator, TetMesh, TriMesh, clean, read_tets};
+use lapis::mesh::{FaceOrigin, TetLocator, TetMesh, TriMesh, Wear, clean, read_tets};
 use lapis::project::{Project, Report, is_tet_file};
-use lapis::view::{Camera, StrokeFile, read_camera};
+use lapis::view::{Camera, Drawing, StrokeFile, is_svg, read_camera};
 use lapis::volume::SolidTexture;
 use serde_json::{Value, json};
 
@@ -21,7 +21,7 @@ use super::values;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// A mesh, tetrahedra, a volume (.nrrd or a folder of slices), a .lapis model, or a project, stroke or
-    /// camera file (.toml)
+    /// camera file (.toml), or a drawing of strokes (.svg)
     file: PathBuf,
     /// For a .lapis model: the tetrahedron, depth and colour at a point; may be given again
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
@@ -39,6 +39,7 @@ enum Kind {
     Solid,
     Project,
     Stroke,
+    Drawing,
     Camera,
 }
 
@@ -50,6 +51,7 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
     match extension.as_str() {
         "obj" | "stl" | "ply" | "off" | "glb" | "gltf" => Ok(Kind::Mesh),
         _ if is_tet_file(path) => Ok(Kind::Tets),
+        _ if is_svg(path) => Ok(Kind::Drawing),
         "nrrd" => Ok(Kind::Volume),
         "lapis" => Ok(Kind::Solid),
         "toml" => {
@@ -67,7 +69,7 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
         _ => Err(Failure::usage(format!(
             "cannot tell what '{}' is; Lapis reads .obj .stl .ply .off .glb .gltf (meshes), .node .ele .vtu .msh \
              (tetrahedra), .nrrd and folders of .png (volumes), .lapis (models) and .toml (projects, strokes, \
-             cameras)",
+             cameras), .svg (drawings of strokes)",
             path.display()
         ))),
     }
@@ -84,8 +86,10 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         let mut report = Report::default();
         match kind {
             Kind::Mesh => {
-                let mesh = lapis::mesh::read(path).map_err(Failure::because(what))?;
-                tri_mesh(&mut report, &mesh, session)?;
+                let file = lapis::mesh::read(path).map_err(Failure::because(what))?;
+                tri_mesh(&mut report, &file.mesh, session)?;
+                wear(&mut report, &file.wear);
+                report.measure("notes", file.notes);
             }
             Kind::Tets => tet_mesh(&mut report, &read_tets(path).map_err(Failure::because(what))?),
             Kind::Volume => volume(&mut report, &lapis::volume::read(path).map_err(Failure::because(what))?),
@@ -95,7 +99,7 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
             }
             Kind::Project => project(&mut report, &Project::read(path)?),
             Kind::Stroke => {
-                let file = StrokeFile::read(path).map_err(Failure::because(what))?;
+                let file = StrokeFile::read(path, None).map_err(Failure::because(what))?;
                 report.measure("kind", "stroke");
                 report.count("points", file.stroke.points.len());
                 report.measure("closed", file.stroke.closed);
@@ -103,6 +107,7 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
                     camera(&mut report, &c);
                 }
             }
+            Kind::Drawing => drawing(&mut report, &Drawing::read(path).map_err(Failure::because(what))?),
             Kind::Camera => {
                 let c = read_camera(path).map_err(Failure::because(what))?;
                 report.measure("kind", "camera");
@@ -113,19 +118,26 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
     })
 }
 
-/// What people read: the kind first, then the numbers, then the points asked for.
+/// What people read: the kind first, then the numbers, then what there are lists of.
 fn text(path: &Path, report: &Report) -> String {
     let mut measures = report.measures.clone();
     let kind = measures.remove("kind");
-    let at = measures.remove("at");
+    let lists = ["regions", "materials", "notes", "at"].map(|name| (name, measures.remove(name)));
     let kind = kind.as_ref().and_then(Value::as_str).unwrap_or("file");
     let mut text = format!("{}: {kind}\n", path.display());
     table(&mut text, "  ", &report.counts);
     table(&mut text, "  ", &measures);
-    for point in at.as_ref().and_then(Value::as_array).into_iter().flatten() {
-        if let Some(map) = point.as_object() {
-            text += "  at\n";
-            table(&mut text, "    ", map);
+    for (name, list) in &lists {
+        for item in list.as_ref().and_then(Value::as_array).into_iter().flatten() {
+            // `regions` is a list of one `region` after the other.
+            let one = name.strip_suffix('s').unwrap_or(name);
+            match item {
+                Value::Object(map) => {
+                    text += &format!("  {one}\n");
+                    table(&mut text, "    ", map);
+                }
+                item => text += &format!("  {one}: {}\n", item.as_str().unwrap_or_default()),
+            }
         }
     }
     text
@@ -149,18 +161,43 @@ fn tri_mesh(report: &mut Report, mesh: &TriMesh, session: &Session) -> Result<()
     bounds(report, mesh.bounds());
     // A mesh of which cleaning leaves nothing has no more to tell.
     match clean(mesh) {
-        Ok((mesh, cleaned)) => {
+        Ok(cleaned) => {
             let mut cleaning = Report::default();
-            cleaning.add(&cleaned);
+            cleaning.add(&cleaned.report);
             report.nest("cleaned", cleaning);
-            report.measure("volume", mesh.volume());
-            let defects = lapis::mesh::defects(&mesh, session.exec())?;
+            report.measure("volume", cleaned.mesh.volume());
+            let defects = lapis::mesh::defects(&cleaned.mesh, session.exec())?;
             report
                 .measure("defects", if defects.is_empty() { "none".to_owned() } else { defects.to_string() });
         }
         Err(e) => report.measure("defects", e.to_string()),
     }
     Ok(())
+}
+
+fn drawing(report: &mut Report, drawing: &Drawing) {
+    report.measure("kind", "drawing");
+    report.count("lines", drawing.lines.len());
+    report.count("points", drawing.lines.iter().map(|l| l.points.len()).sum::<usize>());
+    report.measure("aspect", drawing.aspect);
+    let ids: Vec<&str> = drawing.lines.iter().filter_map(|l| l.ids.first().map(String::as_str)).collect();
+    report.measure("ids", ids);
+}
+
+/// What a mesh wears.
+fn wear(report: &mut Report, wear: &Wear) {
+    report.measure("texture_coordinates", !wear.uv.is_empty());
+    report.measure("vertex_colours", !wear.colours.is_empty());
+    let regions = wear
+        .regions
+        .iter()
+        .map(|r| json!({ "name": r.name, "kind": r.kind.name(), "triangles": r.triangles.len() }));
+    report.measure("regions", regions.collect::<Vec<_>>());
+    let materials = wear.materials.iter().map(|m| {
+        let picture = m.picture.and_then(|p| wear.pictures.get(p as usize)).map(|p| [p.width, p.height]);
+        json!({ "name": m.name, "colour": m.colour, "picture": picture })
+    });
+    report.measure("materials", materials.collect::<Vec<_>>());
 }
 
 fn tet_mesh(report: &mut Report, mesh: &TetMesh) {
@@ -207,6 +244,11 @@ fn lapped_solid(report: &mut Report, solid: &LappedSolid, at: &[DVec3]) {
     #[allow(clippy::cast_precision_loss)]
     let mean = solid.layer_patch.len() as f64 / solid.mesh.tets.len().max(1) as f64;
     report.measure("layers_mean", mean);
+    if let Some(look) = &solid.look {
+        let (surface, worn) = (look.surface(), look.wear());
+        let pictures: Vec<[u32; 2]> = worn.pictures.iter().map(|p| [p.width, p.height]).collect();
+        report.measure("look", json!({ "triangles": surface.triangles.len(), "pictures": pictures }));
+    }
     if !solid.settings.is_null() {
         report.measure("settings", solid.settings.clone());
     }

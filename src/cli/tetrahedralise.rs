@@ -28,7 +28,8 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         for file in files {
             OutputFile::check(&file, args.shared.force)?;
         }
-        let (mesh, mut report) = tet_mesh(&args.mesh, &args.params, &Session::mesher(), session.exec())?;
+        let (made, mut report) = tet_mesh(&args.mesh, &args.params, &Session::mesher(), session.exec())?;
+        let mesh = made.mesh;
         report.measure("volume", mesh.volume());
         session.exec().check()?;
         for path in write_tets(&args.output, &mesh)? {

@@ -5,10 +5,11 @@ use rayon::prelude::*;
 
 use super::connect::{Connected, join_chips};
 use super::curve::Crossing;
-use super::subdivide::{INNER, Part, Split, Subdivision, WHOLE, edges};
+use super::reach::Reach;
 use super::{CutError, Sheet};
 use crate::exec::Exec;
-use crate::mesh::{NONE, TET_FACES, TetMesh, index};
+use crate::mesh::subdivide::{INNER, Part, Split, Subdivision, WHOLE, edges};
+use crate::mesh::{Buckets, NONE, TET_FACES, TetMesh, index};
 
 /// An edge that is crossed nearer to a vertex than this part of its length would leave slivers: the cut is
 /// led through the vertex instead.
@@ -19,6 +20,8 @@ pub(super) const SNAP: f64 = 1e-3;
 pub(super) struct Divided {
     /// The parts, in the order of the tetrahedra that they are parts of.
     pub(super) parts: Subdivision,
+    /// Which tetrahedra may have been divided.
+    reach: Reach,
     /// Where the parts of each tetrahedron in reach begin, and the end.
     first: Vec<u32>,
     /// The cell across the face opposite each vertex of the parts, or [`NONE`].
@@ -44,7 +47,7 @@ impl Divided {
     /// All cells, in the order of the tetrahedra that they are parts of.
     pub(super) fn cells(&self) -> impl Iterator<Item = u32> {
         let tets = index(self.whole.len());
-        (0..tets).flat_map(move |t| match self.parts.reach.place[t as usize] {
+        (0..tets).flat_map(move |t| match self.reach.place[t as usize] {
             NONE => t..t + 1,
             n => tets + self.first[n as usize]..tets + self.first[n as usize + 1],
         })
@@ -91,7 +94,7 @@ impl Divided {
         }
         // The face between them is whole, since t is.
         let face = mesh.neighbours[n as usize].iter().position(|o| *o == t).unwrap_or(0) as u8;
-        let place = self.parts.reach.place[n as usize] as usize;
+        let place = self.reach.place[n as usize] as usize;
         let (from, to) = (self.first[place] as usize, self.first[place + 1] as usize);
         let found = (from..to).find(|&i| self.parts.parts[i].faces.contains(&face));
         index(self.whole.len() + found.unwrap_or(from))
@@ -101,19 +104,20 @@ impl Divided {
 /// Divides the parts of `mesh` along the sheet.
 pub(super) fn divide(
     mut parts: Subdivision,
+    mut reach: Reach,
     sheet: &Sheet,
     tolerance: f64,
     mesh: &TetMesh,
     exec: &Exec,
 ) -> Result<Divided, CutError> {
-    let mut sides = std::mem::take(&mut parts.reach.sides);
+    let mut sides = std::mem::take(&mut reach.sides);
     let new = &parts.vertices[sides.len()..];
     sides.par_extend(new.par_iter().with_min_len(1024).map(|&p| if sheet.positive(p) { 1 } else { -1 }));
     exec.check()?;
     let crossed = crossed(&parts, &sides, sheet, tolerance);
     let mut on_sheet = snapped(&crossed, sides.len(), sheet, tolerance);
     let mut splits: Vec<Split> = crossed.into_iter().map(|(s, _)| s).collect();
-    splits.retain(|s| parts.in_reach(s.edge));
+    splits.retain(|s| reach.holds(s.edge));
     loop {
         exec.check()?;
         splits.retain(|s| s.edge.iter().all(|&v| !on_sheet[v as usize]));
@@ -135,12 +139,12 @@ pub(super) fn divide(
         snapped += 1;
     }
     sides.resize(parts.vertices.len(), 0);
-    let first = in_order(&mut parts);
-    let neighbours = neighbours(&parts, &first, mesh);
-    let whole = sides_of_tets(&parts, &sides, mesh);
+    let first = in_order(&mut parts, &reach);
+    let neighbours = neighbours(&parts, &reach, &first, mesh);
+    let whole = sides_of_tets(&reach, &sides, mesh);
     let positive = sides_of_parts(&parts, &neighbours, &sides, &whole, sheet);
     let connected = Connected::default();
-    let mut divided = Divided { parts, first, neighbours, positive, whole, connected, snapped };
+    let mut divided = Divided { parts, reach, first, neighbours, positive, whole, connected, snapped };
     divided.connected = Connected::new(&divided, mesh);
     if let Sheet::Screen(curve) = sheet {
         while divided.connected.count > 1 && join_chips(&mut divided, mesh, curve, tolerance) {
@@ -211,13 +215,13 @@ fn snapped(crossed: &[Crossed], vertices: usize, sheet: &Sheet, tolerance: f64) 
 
 /// Sorts the parts by their parents, else as they came about; the parts of the n-th tetrahedron in reach are then
 /// `first[n]..first[n + 1]`.
-fn in_order(parts: &mut Subdivision) -> Vec<u32> {
-    let place = |part: &Part| parts.reach.place[part.parent as usize] as usize;
-    let mut first = vec![0u32; parts.reach.tets.len() + 1];
+fn in_order(parts: &mut Subdivision, reach: &Reach) -> Vec<u32> {
+    let place = |part: &Part| reach.place[part.parent as usize] as usize;
+    let mut first = vec![0u32; reach.tets.len() + 1];
     for part in &parts.parts {
         first[place(part) + 1] += 1;
     }
-    for n in 0..parts.reach.tets.len() {
+    for n in 0..reach.tets.len() {
         first[n + 1] += first[n];
     }
     let mut next = first.clone();
@@ -232,10 +236,10 @@ fn in_order(parts: &mut Subdivision) -> Vec<u32> {
 }
 
 /// The cell across each face of the parts. Whole tetrahedra keep theirs; only what was divided is matched anew.
-fn neighbours(parts: &Subdivision, first: &[u32], mesh: &TetMesh) -> Vec<[u32; 4]> {
+fn neighbours(parts: &Subdivision, reach: &Reach, first: &[u32], mesh: &TetMesh) -> Vec<[u32; 4]> {
     let tets = index(mesh.tets.len());
     let mut result = vec![[NONE; 4]; parts.parts.len()];
-    let mut sides: Vec<([u32; 3], u32)> = Vec::new();
+    let mut sides: Vec<(u32, [u32; 3])> = Vec::new();
     for (i, part) in parts.parts.iter().enumerate() {
         for k in 0..4 {
             let face = part.faces[k];
@@ -244,7 +248,7 @@ fn neighbours(parts: &Subdivision, first: &[u32], mesh: &TetMesh) -> Vec<[u32; 4
                 if across == NONE {
                     continue;
                 }
-                let place = parts.reach.place[across as usize];
+                let place = reach.place[across as usize];
                 if place == NONE {
                     result[i][k] = across;
                     continue;
@@ -257,20 +261,22 @@ fn neighbours(parts: &Subdivision, first: &[u32], mesh: &TetMesh) -> Vec<[u32; 4
             }
             let mut key = TET_FACES[k].map(|j| part.vertices[j]);
             key.sort_unstable();
-            sides.push((key, index(4 * i + k)));
+            sides.push((key[0], [key[1], key[2], index(4 * i + k)]));
         }
     }
-    sides.par_sort_unstable();
-    for pair in sides.windows(2).filter(|p| p[0].0 == p[1].0) {
-        let [(_, a), (_, b)] = [pair[0], pair[1]];
-        result[a as usize / 4][a as usize % 4] = tets + b / 4;
-        result[b as usize / 4][b as usize % 4] = tets + a / 4;
+    let mut sides = Buckets::new(sides.iter().copied());
+    for v in 0..sides.len() {
+        for pair in sides.sorted(v).windows(2).filter(|p| p[0][..2] == p[1][..2]) {
+            let [a, b] = [pair[0][2], pair[1][2]];
+            result[a as usize / 4][a as usize % 4] = tets + b / 4;
+            result[b as usize / 4][b as usize % 4] = tets + a / 4;
+        }
     }
     result
 }
 
 /// The side of each whole tetrahedron; 0 for those in reach.
-fn sides_of_tets(parts: &Subdivision, sides: &[i8], mesh: &TetMesh) -> Vec<i8> {
+fn sides_of_tets(reach: &Reach, sides: &[i8], mesh: &TetMesh) -> Vec<i8> {
     let side = |(tet, place): (&[u32; 4], &u32)| {
         if *place != NONE {
             return 0;
@@ -281,7 +287,7 @@ fn sides_of_tets(parts: &Subdivision, sides: &[i8], mesh: &TetMesh) -> Vec<i8> {
             side => side,
         }
     };
-    mesh.tets.par_iter().zip(&parts.reach.place).with_min_len(4096).map(side).collect()
+    mesh.tets.par_iter().zip(&reach.place).with_min_len(4096).map(side).collect()
 }
 
 /// The side of each part: that of its vertices. A part with all four vertices on the sheet, a sliver, goes to

@@ -14,7 +14,7 @@
 //!    vertex. Each tetrahedron then lies on one side.
 //! 4. `pieces`: what hangs together on one side (`connect`) becomes a lapped solid of its own.
 //!
-//! Both 2 and 3 split edges in one order that holds for the whole mesh (`subdivide`), so that the
+//! Both 2 and 3 split edges in one order that holds for the whole mesh (`mesh::subdivide`), so that the
 //! tetrahedra on both sides of a face always divide it alike, and none can be turned inside out.
 
 mod connect;
@@ -24,7 +24,6 @@ mod pieces;
 mod reach;
 mod refine;
 mod slabs;
-mod subdivide;
 #[cfg(test)]
 mod tests;
 
@@ -34,10 +33,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::exec::{Cancelled, Exec};
 use crate::lap::LappedSolid;
+use crate::mesh::subdivide::Subdivision;
 use crate::view::{Camera, CameraError, Stroke, StrokeError};
 use curve::{Crossing, Curve};
 use reach::Reach;
-use subdivide::Subdivision;
 
 /// What to cut along.
 #[derive(Debug, Clone, PartialEq)]
@@ -242,17 +241,18 @@ fn cut_here(
     }
     let mut report = CutReport::default();
     let sheet = Sheet::new(solid, surface)?;
-    let mut parts = Subdivision::new(&solid.mesh, Reach::new(&solid.mesh, &sheet));
+    let reach = Reach::new(&solid.mesh, &sheet);
+    let mut parts = Subdivision::of(&solid.mesh, &reach.tets);
     stage.at(1);
     if let Sheet::Screen(curve) = &sheet {
         if !(params.tolerance >= 1e-6 && params.tolerance.is_finite()) {
             return Err(CutError::BadTolerance(params.tolerance));
         }
-        report.unresolved = refine::refine(&mut parts, curve, params.tolerance, exec)?;
+        report.unresolved = refine::refine(&mut parts, &reach, curve, params.tolerance, exec)?;
     }
     report.vertices_refined = parts.vertices.len() - solid.mesh.vertices.len();
     stage.at(2);
-    let divided = divide::divide(parts, &sheet, params.tolerance, &solid.mesh, exec)?;
+    let divided = divide::divide(parts, reach, &sheet, params.tolerance, &solid.mesh, exec)?;
     report.vertices_cut = divided.parts.vertices.len() - solid.mesh.vertices.len() - report.vertices_refined;
     report.vertices_snapped = divided.snapped;
     if let Some(positive) = divided.one_side(&solid.mesh) {

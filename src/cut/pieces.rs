@@ -4,10 +4,10 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::divide::Divided;
-use super::subdivide::{INNER, WHOLE, Weights};
 use super::{CutError, CutReport};
 use crate::exec::Exec;
 use crate::lap::LappedSolid;
+use crate::mesh::subdivide::{INNER, WHOLE, Weights};
 use crate::mesh::{BoundaryFace, FaceOrigin, NONE, TET_FACES, TetMesh, index, signed_volume};
 
 /// The cells and vertices of a piece.
@@ -235,6 +235,7 @@ fn piece(
         patches: solid.patches.clone(),
         exemplars: solid.exemplars.clone(),
         masks: solid.masks.clone(),
+        look: solid.look.clone(),
         tet_origin: cells.iter().map(|&c| solid.tet_origin[parent(c)]).collect(),
         cuts: solid.cuts + 1,
         settings: solid.settings.clone(),

@@ -77,4 +77,8 @@ impl Reach {
         }
         Self { tets, place, passed, near: flags, sides }
     }
+    /// Whether an edge may be split: all tetrahedra around it are in reach.
+    pub(super) fn holds(&self, edge: [u32; 2]) -> bool {
+        edge.iter().all(|v| self.passed.get(*v as usize).copied().unwrap_or(true))
+    }
 }

@@ -114,8 +114,15 @@ fn gutter(side: u32, charts: usize) -> u32 {
     (side / 128).min(share).clamp(2, 8)
 }
 
-/// Texels along a world length that show every voxel of the solid textures: for three quarters of the area.
+/// Texels along a world length that show every voxel of the solid textures, for three quarters of the area,
+/// and nearly every pixel of the look that the outside keeps.
 fn wanted_density(surface: &Surface<'_>) -> f64 {
+    let solid = surface.solid;
+    let look = solid.look.as_ref().and_then(|look| look.finest_pixel()).map_or(0.0, f64::recip);
+    look.max(voxel_density(surface))
+}
+
+fn voxel_density(surface: &Surface<'_>) -> f64 {
     let solid = surface.solid;
     let finest = solid.exemplars.iter().fold([1; 3], |n: [u32; 3], e| {
         let size = e.size();

@@ -62,7 +62,7 @@ mod tests {
     }
 
     fn lapis_read(path: &std::path::Path) -> f64 {
-        crate::mesh::read(path).unwrap().volume()
+        crate::mesh::read(path).unwrap().mesh.volume()
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! The depth field \[LST 4.3, 5.2.2\]: 0 on the outside, 1 innermost.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -17,8 +19,20 @@ use crate::solve::SolveError;
 pub struct DepthPaint {
     /// The depth of the whole surface of the input mesh, in [0, 1]; `None`: not painted.
     pub skin: Option<f64>,
+    /// Faces painted over the skin, in painting order: where two paint one vertex, the later one wins.
+    pub faces: Vec<PaintedFace>,
     /// Strokes drawn inside, on cross-sections or on the surface.
     pub strokes: Vec<DepthStroke>,
+}
+
+/// A face of the surface painted with a depth.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PaintedFace {
+    /// Index into [`TetMesh::boundary`].
+    pub face: u32,
+    /// Its depth, in [0, 1].
+    pub depth: f64,
 }
 
 /// A polyline of one depth; a single point is a dot.
@@ -64,6 +78,19 @@ pub enum DepthError {
     /// The skin's depth is not in [0, 1].
     #[error("the skin's depth is {0}; depths run from 0 (outside) to 1 (innermost)")]
     SkinDepth(f64),
+    /// A face's depth is not in [0, 1], or there is no such face.
+    #[error(
+        "boundary face {face} is painted with {depth}; depths run from 0 (outside) to 1 (innermost), faces to \
+         {faces}"
+    )]
+    Face {
+        /// The face painted.
+        face: u32,
+        /// Its depth.
+        depth: f64,
+        /// Boundary faces of the mesh.
+        faces: usize,
+    },
     /// A stroke's depth is not in [0, 1].
     #[error("the depth of depth stroke {stroke} is {depth}; depths run from 0 (outside) to 1 (innermost)")]
     StrokeDepth {
@@ -192,12 +219,15 @@ pub fn depth_field(
     check(mesh, paint)?;
     let _stage = exec.stage("depth", 0);
     let spacing = Graph::new(mesh).mean_edge;
-    let mut constraints = Constraints::default();
-    if let Some(depth) = paint.skin {
-        paint_skin(mesh, depth, spacing, &mut constraints)?;
-    }
+    let surface = PaintedSurface::new(mesh, paint)?;
+    let mut constraints = Constraints { vertices: surface.vertices(), points: surface.between(spacing) };
     exec.check()?;
-    paint_strokes(mesh, paint, spacing, &mut constraints)?;
+    for (stroke, points) in samples_that_count(mesh, paint, &surface, spacing).into_iter().enumerate() {
+        if points.is_empty() {
+            return Err(DepthError::StrokeMisses { stroke });
+        }
+        constraints.points.extend(points.into_iter().map(|p| (p, paint.strokes[stroke].depth)));
+    }
 
     let all: Vec<(DVec3, f64)> = constraints
         .vertices
@@ -232,11 +262,16 @@ fn check(mesh: &TetMesh, paint: &DepthPaint) -> Result<(), DepthError> {
     if mesh.tets.is_empty() {
         return Err(DepthError::EmptyMesh);
     }
-    if paint.skin.is_none() && paint.strokes.is_empty() {
+    if paint.skin.is_none() && paint.faces.is_empty() && paint.strokes.is_empty() {
         return Err(DepthError::NothingPainted);
     }
     if let Some(depth) = paint.skin.filter(|d| !(0.0..=1.0).contains(d)) {
         return Err(DepthError::SkinDepth(depth));
+    }
+    let faces = mesh.boundary.len();
+    if let Some(f) = paint.faces.iter().find(|f| f.face as usize >= faces || !(0.0..=1.0).contains(&f.depth))
+    {
+        return Err(DepthError::Face { face: f.face, depth: f.depth, faces });
     }
     for (stroke, s) in paint.strokes.iter().enumerate() {
         if !(0.0..=1.0).contains(&s.depth) {
@@ -252,81 +287,137 @@ fn check(mesh: &TetMesh, paint: &DepthPaint) -> Result<(), DepthError> {
     Ok(())
 }
 
-/// The vertices of the input surface, and points between them on faces far larger than the mesh's edges.
-fn paint_skin(
-    mesh: &TetMesh,
-    depth: f64,
-    spacing: f64,
-    constraints: &mut Constraints,
-) -> Result<(), DepthError> {
-    let mut painted = vec![false; mesh.vertices.len()];
-    for face in mesh.boundary.iter().filter(|f| matches!(f.origin, FaceOrigin::Input(_))) {
-        let [a, b, c] = mesh.face_vertices(face).map(|v| {
-            painted[v as usize] = true;
-            mesh.vertices[v as usize]
+/// For each stroke whether any of it counts: lies in the mesh and not on a surface painted with another depth.
+///
+/// # Errors
+/// [`DepthError`] for paint that cannot be.
+pub(crate) fn strokes_that_count(mesh: &TetMesh, paint: &DepthPaint) -> Result<Vec<bool>, DepthError> {
+    check(mesh, paint)?;
+    let spacing = Graph::new(mesh).mean_edge;
+    let surface = PaintedSurface::new(mesh, paint)?;
+    Ok(samples_that_count(mesh, paint, &surface, spacing).iter().map(|points| !points.is_empty()).collect())
+}
+
+/// The depths of what is painted of the surface.
+struct PaintedSurface<'a> {
+    mesh: &'a TetMesh,
+    /// Of each boundary face.
+    face: Vec<Option<f64>>,
+    /// Of each vertex.
+    vertex: Vec<Option<f64>>,
+    /// Of each edge, where more than one depth is painted.
+    edge: Option<BTreeMap<[u32; 2], f64>>,
+}
+
+impl<'a> PaintedSurface<'a> {
+    fn new(mesh: &'a TetMesh, paint: &DepthPaint) -> Result<Self, DepthError> {
+        let skin = paint.skin.into_iter().flat_map(|depth| {
+            let input = |f: &usize| matches!(mesh.boundary[*f].origin, FaceOrigin::Input(_));
+            (0..mesh.boundary.len()).filter(input).map(move |f| (f, depth))
         });
-        let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
-        if longest < 1.6 * spacing {
-            continue;
+        let all = skin.chain(paint.faces.iter().map(|f| (f.face as usize, f.depth)));
+        let first = paint.skin.or(paint.faces.first().map(|f| f.depth));
+        let one = paint.faces.iter().all(|f| Some(f.depth) == first);
+        let mut surface = Self {
+            mesh,
+            face: vec![None; mesh.boundary.len()],
+            vertex: vec![None; mesh.vertices.len()],
+            edge: (!one).then(BTreeMap::new),
+        };
+        for (f, depth) in all {
+            surface.face[f] = Some(depth);
+            let [a, b, c] = mesh.face_vertices(&mesh.boundary[f]);
+            for v in [a, b, c] {
+                surface.vertex[v as usize] = Some(depth);
+            }
+            if let Some(edges) = &mut surface.edge {
+                edges.extend([[a, b], [b, c], [c, a]].map(|[u, v]| ([u.min(v), u.max(v)], depth)));
+            }
         }
-        let order = (longest / spacing).ceil().min(16.0) as u32;
-        for i in 0..=order {
-            for j in 0..=order - i {
-                let k = order - i - j;
-                if i.max(j).max(k) < order {
-                    let p = (a * f64::from(i) + b * f64::from(j) + c * f64::from(k)) / f64::from(order);
-                    constraints.points.push((p, depth));
+        if paint.skin.is_some() && surface.face.iter().all(Option::is_none) {
+            return Err(DepthError::NoSkin);
+        }
+        Ok(surface)
+    }
+
+    fn vertices(&self) -> Vec<(u32, f64)> {
+        let painted = self.vertex.iter().enumerate();
+        painted.filter_map(|(v, depth)| depth.map(|depth| (index(v), depth))).collect()
+    }
+
+    /// Points between the vertices on faces far larger than the mesh's edges.
+    fn between(&self, spacing: f64) -> Vec<(DVec3, f64)> {
+        let mut points = Vec::new();
+        for (face, depth) in self.mesh.boundary.iter().zip(&self.face) {
+            let Some(depth) = *depth else { continue };
+            let v = self.mesh.face_vertices(face);
+            let [a, b, c] = v.map(|v| self.mesh.vertices[v as usize]);
+            let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+            if longest < 1.6 * spacing {
+                continue;
+            }
+            // An edge between two depths has that of the later face.
+            let has = |u: u32, v: u32| match &self.edge {
+                None => true,
+                Some(edges) => edges.get(&[u.min(v), u.max(v)]) == Some(&depth),
+            };
+            let edges = [has(v[1], v[2]), has(v[2], v[0]), has(v[0], v[1])];
+            let order = (longest / spacing).ceil().min(16.0) as u32;
+            for i in 0..=order {
+                for j in 0..=order - i {
+                    let k = order - i - j;
+                    let inside = [i, j, k].iter().zip(edges).all(|(n, has)| *n > 0 || has);
+                    if i.max(j).max(k) < order && inside {
+                        let p = (a * f64::from(i) + b * f64::from(j) + c * f64::from(k)) / f64::from(order);
+                        points.push((p, depth));
+                    }
                 }
             }
         }
+        points
     }
-    let vertices = painted.iter().enumerate().filter(|(_, p)| **p);
-    constraints.vertices.extend(vertices.map(|(v, _)| (index(v), depth)));
-    if constraints.vertices.is_empty() { Err(DepthError::NoSkin) } else { Ok(()) }
+
+    /// The depth of face `k` of a tetrahedron, if it is painted.
+    fn of_side(&self, tet: usize, k: usize) -> Option<f64> {
+        let at = self.mesh.boundary.binary_search_by_key(&(index(tet), k as u8), |f| (f.tet, f.face));
+        at.ok().and_then(|f| self.face[f])
+    }
 }
 
-fn paint_strokes(
+/// How near to a surface a stroke runs on it, in mean lengths of the mesh's edges: a polyline drawn on a bent surface
+/// runs a little below it between its points.
+const ON_SURFACE: f64 = 0.05;
+
+/// The samples of each stroke that lie in the mesh and not on a surface painted with another depth.
+fn samples_that_count(
     mesh: &TetMesh,
     paint: &DepthPaint,
+    surface: &PaintedSurface<'_>,
     spacing: f64,
-    constraints: &mut Constraints,
-) -> Result<(), DepthError> {
+) -> Vec<Vec<DVec3>> {
     if paint.strokes.is_empty() {
-        return Ok(());
+        return Vec::new();
     }
     let locator = TetLocator::new(mesh);
-    let mut on_skin = vec![[false; 4]; mesh.tets.len()];
-    let mut skin_vertex = vec![false; mesh.vertices.len()];
-    for &(v, _) in &constraints.vertices {
-        skin_vertex[v as usize] = true;
-    }
-    for face in mesh.boundary.iter().filter(|f| matches!(f.origin, FaceOrigin::Input(_))) {
-        on_skin[face.tet as usize][face.face as usize] = true;
-    }
-    for (stroke, s) in paint.strokes.iter().enumerate() {
-        let other_skin = paint.skin.is_some_and(|skin| skin != s.depth);
-        let counts = |p: DVec3| {
-            let Some((tet, b)) = locator.nearest(p) else {
-                return false;
-            };
-            let closest: DVec3 = mesh.corners(tet).into_iter().zip(b).map(|(v, b)| v * b).sum();
-            let gradients = mesh.gradients(tet);
-            let near = 1e-3 * spacing;
-            // The distance to face k is bₖ/|∇bₖ|. A tetrahedron may touch the skin with a vertex only.
-            let touches = (0..4).any(|k| {
-                (on_skin[tet][k] && b[k] < near * gradients[k].length())
-                    || (skin_vertex[mesh.tets[tet][k] as usize] && b[k] > 0.999)
-            });
-            closest.distance(p) <= spacing && !(other_skin && touches)
+    let counts = |p: DVec3, depth: f64| {
+        let Some((tet, b)) = locator.nearest(p) else {
+            return false;
         };
-        let before = constraints.points.len();
-        let samples = sample(&s.points, spacing);
-        constraints.points.extend(samples.iter().map(|q| (q.point, s.depth)).filter(|(p, _)| counts(*p)));
-        if constraints.points.len() == before {
-            return Err(DepthError::StrokeMisses { stroke });
-        }
-    }
-    Ok(())
+        let closest: DVec3 = mesh.corners(tet).into_iter().zip(b).map(|(v, b)| v * b).sum();
+        let gradients = mesh.gradients(tet);
+        let near = ON_SURFACE * spacing;
+        let other = |painted: Option<f64>| painted.is_some_and(|d| d != depth);
+        // The distance to face k is bₖ/|∇bₖ|. A tetrahedron may touch the surface with a vertex only.
+        let touches = (0..4).any(|k| {
+            (b[k] < near * gradients[k].length() && other(surface.of_side(tet, k)))
+                || (b[k] > 1.0 - ON_SURFACE && other(surface.vertex[mesh.tets[tet][k] as usize]))
+        });
+        closest.distance(p) <= spacing && !touches
+    };
+    let of = |s: &DepthStroke| {
+        sample(&s.points, spacing).iter().map(|q| q.point).filter(|p| counts(*p, s.depth)).collect()
+    };
+    paint.strokes.iter().map(of).collect()
 }
 
 #[cfg(test)]
@@ -338,7 +429,7 @@ mod tests {
     fn fruit(kernel: Kernel) -> (TetMesh, DepthField) {
         let mesh = mapped(&ball(2, 6), |p| p * DVec3::new(1.0, 1.0, 1.4));
         let axis = DepthStroke { points: vec![DVec3::Z * -1.4, DVec3::Z * 1.4], depth: 1.0 };
-        let paint = DepthPaint { skin: Some(0.0), strokes: vec![axis] };
+        let paint = DepthPaint { skin: Some(0.0), strokes: vec![axis], ..DepthPaint::default() };
         let params = DepthParams { kernel, ..DepthParams::default() };
         let field = depth_field(&mesh, &paint, &params, &Exec::default()).unwrap();
         (mesh, field)
@@ -395,7 +486,7 @@ mod tests {
                 })
             })
             .collect();
-        let paint = DepthPaint { skin: None, strokes };
+        let paint = DepthPaint { strokes, ..DepthPaint::default() };
         let field = depth_field(&mesh, &paint, &DepthParams::default(), &Exec::default()).unwrap();
         for (p, d) in mesh.vertices.iter().zip(&field.values) {
             assert!((p.z - d).abs() < 1e-9);
@@ -408,6 +499,7 @@ mod tests {
         let paint = |scale: f64| DepthPaint {
             skin: Some(0.0),
             strokes: vec![DepthStroke { points: vec![DVec3::splat(0.5) * scale], depth: 1.0 }],
+            ..DepthPaint::default()
         };
         let params = DepthParams::default();
         let run = |threads| {
@@ -427,7 +519,7 @@ mod tests {
         // Twenty huge faces around a fine inside: between their vertices there must still be skin.
         let mesh = mapped(&ball(0, 6), |p| p * 3.0);
         let dot = DepthStroke { points: vec![DVec3::ZERO], depth: 1.0 };
-        let paint = DepthPaint { skin: Some(0.0), strokes: vec![dot] };
+        let paint = DepthPaint { skin: Some(0.0), strokes: vec![dot], ..DepthPaint::default() };
         let field = depth_field(&mesh, &paint, &DepthParams::default(), &Exec::default()).unwrap();
         for face in &mesh.boundary {
             let [a, b, c] = mesh.face_vertices(face).map(|v| mesh.vertices[v as usize]);
@@ -438,11 +530,46 @@ mod tests {
     }
 
     #[test]
+    fn later_faces_win_at_the_vertices_that_they_share() {
+        // Twenty large faces: the upper ones painted over with 1. There are points between the vertices too.
+        let mesh = mapped(&ball(0, 6), |p| p * 3.0);
+        let centre = |f: usize| -> DVec3 {
+            mesh.face_vertices(&mesh.boundary[f]).map(|v| mesh.vertices[v as usize]).iter().sum()
+        };
+        let upper = (0..mesh.boundary.len()).filter(|f| centre(*f).z > 0.0).map(index);
+        let faces: Vec<PaintedFace> = upper.map(|face| PaintedFace { face, depth: 1.0 }).collect();
+        assert!(faces.len() >= 8 && faces.len() <= 12);
+        let run = |paint: &DepthPaint| depth_field(&mesh, paint, &DepthParams::default(), &Exec::default());
+        let paint = DepthPaint { skin: Some(0.0), faces: faces.clone(), strokes: Vec::new() };
+        let field = run(&paint).unwrap();
+        for (f, face) in mesh.boundary.iter().enumerate() {
+            let painted = faces.iter().any(|p| p.face as usize == f);
+            for v in mesh.face_vertices(face) {
+                let also = mesh.boundary.iter().enumerate().any(|(g, other)| {
+                    faces.iter().any(|p| p.face as usize == g) && mesh.face_vertices(other).contains(&v)
+                });
+                assert_eq!(field.values[v as usize], if painted || also { 1.0 } else { 0.0 });
+            }
+            let middle = field.value(centre(f) / 3.0);
+            assert!(if painted { middle > 0.6 } else { middle < 0.4 }, "{middle}");
+        }
+        // A stroke on the faces of its own depth counts; one on those of another does not.
+        let top = mesh.vertices[1..].iter().copied().max_by(|a, b| a.z.total_cmp(&b.z)).unwrap();
+        let stroke = |p: DVec3, depth| DepthStroke { points: vec![p], depth };
+        let strokes = vec![stroke(top, 1.0), stroke(top, 0.0), stroke(-top, 0.0), stroke(-top, 1.0)];
+        let paint = DepthPaint { strokes, ..paint };
+        assert_eq!(strokes_that_count(&mesh, &paint).unwrap(), [true, false, true, false]);
+        let faces = vec![PaintedFace { face: 20, depth: 0.0 }];
+        let error = run(&DepthPaint { faces, ..DepthPaint::default() }).unwrap_err();
+        assert_eq!(error, DepthError::Face { face: 20, depth: 0.0, faces: 20 });
+    }
+
+    #[test]
     fn what_cannot_be_a_depth_field_is_named() {
         let mesh = ball(1, 3);
         let stroke = |points: &[DVec3], depth| DepthStroke { points: points.to_vec(), depth };
         let error = |skin, strokes: &[DepthStroke]| {
-            let paint = DepthPaint { skin, strokes: strokes.to_vec() };
+            let paint = DepthPaint { skin, strokes: strokes.to_vec(), ..DepthPaint::default() };
             depth_field(&mesh, &paint, &DepthParams::default(), &Exec::default()).unwrap_err()
         };
         assert_eq!(error(None, &[]), DepthError::NothingPainted);
@@ -464,7 +591,7 @@ mod tests {
         assert!(matches!(error, DepthError::Fit(RbfError::Contradiction { .. })), "{error}");
         let empty = depth_field(
             &TetMesh::default(),
-            &DepthPaint { skin: Some(0.0), strokes: Vec::new() },
+            &DepthPaint { skin: Some(0.0), ..DepthPaint::default() },
             &DepthParams::default(),
             &Exec::default(),
         );

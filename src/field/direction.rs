@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::depth::DepthField;
 use super::eigen::{eigen, outer};
-use super::frame::perpendicular;
+use super::frame::turned;
 use super::gradient::vertex_slopes;
 use super::graph::Graph;
 use super::laplacian::{Pin, SmoothError, Smoother, weights};
@@ -161,7 +161,7 @@ pub fn direction_field(
     };
     let field: Vec<Option<DVec3>> =
         smooth.into_iter().enumerate().map(|(v, r)| r.and_then(|r| across(v, r))).collect();
-    Ok(graph.fill_gaps(&field, across, |v| axes[v].map_or(DVec3::X, perpendicular)))
+    Ok(graph.fill_gaps(&field, across, |v| axes[v].map_or(DVec3::X, |s| turned(DVec3::Y, s, DVec3::X))))
 }
 
 fn check(
@@ -318,7 +318,7 @@ mod tests {
     fn fruit() -> (TetMesh, DepthField) {
         let mesh = mapped(&ball(2, 5), |p| p * DVec3::new(1.0, 1.0, 1.4));
         let axis = DepthStroke { points: vec![DVec3::Z * -0.9, DVec3::Z * 0.9], depth: 1.0 };
-        let paint = DepthPaint { skin: Some(0.0), strokes: vec![axis] };
+        let paint = DepthPaint { skin: Some(0.0), strokes: vec![axis], ..DepthPaint::default() };
         let depth = depth_field(&mesh, &paint, &DepthParams::default(), &Exec::default()).unwrap();
         (mesh, depth)
     }

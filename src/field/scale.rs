@@ -1,6 +1,8 @@
 //! The scale of the texture over the mesh \[LST 4.1, 5.2.2\].
 
 use glam::DVec3;
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
 use serde::{Deserialize, Serialize};
 
 use super::graph::Graph;
@@ -50,6 +52,22 @@ pub enum ScaleError {
         /// Which one, from 0.
         index: usize,
     },
+    /// Two scales at one place.
+    #[error(
+        "local scales {first} and {second} are {distance:.3e} apart, less than a quarter of the mesh's edges, and \
+         differ: {} and {}; remove one of them, or move them apart",
+        .scales[0], .scales[1]
+    )]
+    Contradiction {
+        /// One, from 0.
+        first: usize,
+        /// The other, from 0.
+        second: usize,
+        /// How far apart they are.
+        distance: f64,
+        /// Their scales.
+        scales: [f64; 2],
+    },
     /// The smoothing could not be solved.
     #[error("the scales cannot be smoothed: {0}")]
     Solve(#[from] SolveError),
@@ -72,6 +90,29 @@ const STIFFNESS: f64 = 1e4;
 /// The decay length of a local scale as a part of the bounding box's diagonal: what is left of it at a
 /// quarter of the diagonal is about a third.
 const REACH: f64 = 0.15;
+
+/// Different scales must be so far apart, in mean lengths of the mesh's edges: nearer ones cannot both be met.
+const APART: f64 = 0.25;
+
+/// Refuses two different scales within `reach` of each other.
+fn contradiction(at: &[ScaleAt], reach: f64) -> Result<(), ScaleError> {
+    let tree: RTree<GeomWithData<[f64; 3], usize>> = RTree::bulk_load(
+        at.iter().enumerate().map(|(i, a)| GeomWithData::new(a.point.to_array(), i)).collect(),
+    );
+    for (second, a) in at.iter().enumerate() {
+        let near = tree.locate_within_distance(a.point.to_array(), reach * reach).map(|other| other.data);
+        if let Some(first) = near.filter(|&i| i < second && at[i].scale != a.scale).min() {
+            let distance = a.point.distance(at[first].point);
+            return Err(ScaleError::Contradiction {
+                first,
+                second,
+                distance,
+                scales: [at[first].scale, a.scale],
+            });
+        }
+    }
+    Ok(())
+}
 
 /// The world length of one texture unit at each vertex: `everywhere`, but the given scales at the given
 /// places and smooth in between. A local scale fades over about a quarter of the bounding box's diagonal.
@@ -112,6 +153,7 @@ pub fn scale_field(
             locator.nearest(local.point).filter(|_| inside).ok_or(ScaleError::Outside { index })?;
         pins.push(Pin::inside(mesh, tet, b));
     }
+    contradiction(at, APART * graph.mean_edge)?;
     // On a regular lattice the graph's Laplacian is about (h²/6)∇², so that a pull of
     // (h²/6)²/ℓ⁴ lets a deviation decay over the length ℓ, whatever the mesh.
     let reach = REACH * lo.distance(hi);
@@ -181,6 +223,14 @@ mod tests {
         let nan = at([0.5, f64::NAN, 0.5], 1.0);
         assert_eq!(error(1.0, &[nan]), ScaleError::NotFinite { index: 0 });
         assert_eq!(error(1.0, &[at([9.0; 3], 1.0)]), ScaleError::Outside { index: 0 });
+        let pair = |distance: f64, second: f64| {
+            scale_field(&mesh, 1.0, &[good, at([0.5, 0.5, 0.5 + distance], second)], &Exec::default())
+        };
+        let contradiction =
+            ScaleError::Contradiction { first: 0, second: 1, distance: 0.0, scales: [1.0, 0.5] };
+        assert_eq!(pair(0.0, 0.5), Err(contradiction));
+        assert!(matches!(pair(0.05, 0.5), Err(ScaleError::Contradiction { .. })));
+        assert!(pair(0.05, 1.0).is_ok() && pair(0.4, 0.5).is_ok());
         let empty = scale_field(&TetMesh::default(), 1.0, &[], &Exec::default());
         assert_eq!(empty.unwrap_err(), ScaleError::EmptyMesh);
     }

@@ -132,6 +132,7 @@ pub(super) fn assemble(
         patches,
         exemplars: vec![texture],
         masks,
+        look: None,
         tet_origin,
         cuts: 0,
         settings: serde_json::Value::Null,

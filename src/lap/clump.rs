@@ -14,17 +14,20 @@ use glam::{DQuat, DVec3};
 
 use super::coverage::{Alpha, MaskTable, POINTS, Presence, lattice_point, sample_lattice};
 use super::feather::feathered;
-use super::frames::{Frame, PatchFrames, TetFrames};
+use super::frames::{Frame, PatchFrames};
+use super::kind::TextureType;
 use super::optimise::{Element, Given, optimise};
 use super::params::FillParams;
 use super::solid::interpolate;
+use crate::field::FrameField;
 use crate::mesh::{NONE, TET_FACES, TetMesh};
 use crate::volume::AlphaMask;
 
 /// All that clumps are grown from.
 pub(super) struct Ground<'a> {
     pub(super) mesh: &'a TetMesh,
-    pub(super) frames: &'a TetFrames,
+    pub(super) kind: TextureType,
+    pub(super) frames: &'a FrameField,
     /// The texture coordinates that are fields, per vertex: a texture that varies with depth has y.
     pub(super) given: Given<'a>,
     pub(super) masks: &'a [AlphaMask],
@@ -136,7 +139,7 @@ impl Workspace {
 ///
 /// `coverage` is that of all lattice points before this patch.
 pub(super) fn paste(ground: &Ground<'_>, seed: &Seed, coverage: &[u8], work: &mut Workspace) -> Pasted {
-    let frames = ground.frames.of_patch(seed.tet as usize, seed.turn);
+    let frames = PatchFrames::new(ground.frames, ground.kind, seed.tet as usize, seed.turn);
     let mut clump = Clump::new(ground, &frames, seed, work);
     let widest = ground.params.max_angle_deg.to_radians();
     let fitted = [1.0, 0.5, 0.25].iter().any(|part| {

@@ -9,13 +9,17 @@ use glam::DVec3;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
 
+use super::look::LookError;
+use super::look_file;
 use super::solid::{LappedSolid, Patch};
 use crate::files;
-use crate::mesh::{FaceOrigin, NONE, TetMesh, TopologyError};
+use crate::mesh::{BoundaryFace, FaceOrigin, NONE, TetMesh, TopologyError};
 use crate::volume::{AlphaMask, SolidTexture, VolumeError};
 
 /// The version of the format that this program writes.
-pub const FORMAT_VERSION: u32 = 1;
+pub const FORMAT_VERSION: u32 = 2;
+/// The versions that it reads: in version 1 a model has no look.
+const READ_VERSIONS: std::ops::RangeInclusive<u64> = 1..=FORMAT_VERSION as u64;
 /// The one metadata key.
 pub const METADATA_KEY: &str = "lapis";
 /// The most exemplars or masks in one file: a large fill has thousands of feathered masks.
@@ -69,6 +73,9 @@ pub enum ModelFileError {
     /// The tetrahedra make no mesh.
     #[error("the tetrahedra make no mesh")]
     Topology(#[from] TopologyError),
+    /// The look is wrong.
+    #[error("the look that its outside keeps is wrong")]
+    Look(#[from] LookError),
     /// A volume is wrong.
     #[error("the volume '{name}' is wrong")]
     Volume {
@@ -79,6 +86,9 @@ pub enum ModelFileError {
     },
 }
 
+/// Name, type, shape and bytes of an array.
+pub(super) type Array = (String, Dtype, Vec<usize>, Vec<u8>);
+
 #[derive(Serialize, Deserialize)]
 struct Metadata {
     format: u32,
@@ -86,6 +96,9 @@ struct Metadata {
     /// Of each exemplar, the axes along which it tiles, such as "xz".
     exemplar_tiles: Vec<String>,
     masks: usize,
+    /// What there is of the look that the outside keeps.
+    #[serde(default)]
+    look: Option<look_file::About>,
     settings: serde_json::Value,
 }
 
@@ -109,7 +122,7 @@ impl LappedSolid {
             FaceOrigin::Cut(c) => (NONE, c),
         });
         let (boundary_input, boundary_cut): (Vec<u32>, Vec<u32>) = origins.unzip();
-        let mut arrays: Vec<(String, Dtype, Vec<usize>, Vec<u8>)> = Vec::new();
+        let mut arrays: Vec<Array> = Vec::new();
         let b = mesh.boundary.len();
         let p = self.patches.len();
         arrays.push(("vertices".into(), Dtype::F64, vec![v, 3], le_f64(&vertices)));
@@ -136,11 +149,15 @@ impl LappedSolid {
             let [x, y, z] = mask.size().map(|s| s as usize);
             arrays.push((format!("mask_{n}"), Dtype::U8, vec![z, y, x], mask.alpha().to_vec()));
         }
+        if let Some(look) = &self.look {
+            look_file::write(look, &mut arrays);
+        }
         let metadata = Metadata {
             format: FORMAT_VERSION,
             cuts: self.cuts,
             exemplar_tiles: self.exemplars.iter().map(|e| axes(e.tiles())).collect(),
             masks: self.masks.len(),
+            look: self.look.as_ref().map(|look| look_file::About::of(look)),
             settings: self.settings.clone(),
         };
         // One key only: the container writes several in random order.
@@ -185,7 +202,7 @@ impl LappedSolid {
         let version: serde_json::Value =
             serde_json::from_str(metadata).map_err(|e| ModelFileError::Metadata(e.to_string()))?;
         match version.get("format").and_then(serde_json::Value::as_u64) {
-            Some(f) if f == u64::from(FORMAT_VERSION) => {}
+            Some(f) if READ_VERSIONS.contains(&f) => {}
             Some(f) => return Err(ModelFileError::Version(u32::try_from(f).unwrap_or(u32::MAX))),
             None => return Err(ModelFileError::Metadata("it names no format version".into())),
         }
@@ -281,6 +298,7 @@ impl LappedSolid {
                 Ok(Arc::new(mask.map_err(|source| ModelFileError::Volume { name, source })?))
             })
             .collect::<Result<_, ModelFileError>>()?;
+        let look = metadata.look.map(|about| look_file::read(&about, &arrays)).transpose()?.map(Arc::new);
         let solid = Self {
             mesh,
             depth,
@@ -291,6 +309,7 @@ impl LappedSolid {
             patches,
             exemplars,
             masks,
+            look,
             tet_origin,
             cuts: metadata.cuts,
             settings: metadata.settings,
@@ -338,6 +357,13 @@ impl LappedSolid {
                 return Err(value("patch_mask", i, patch.mask, "there is no such mask"));
             }
         }
+        if let Some(look) = &self.look {
+            let count = look.surface().triangles.len();
+            let strays = |f: &BoundaryFace| matches!(f.origin, FaceOrigin::Input(i) if i as usize >= count);
+            if let Some(f) = self.mesh.boundary.iter().position(strays) {
+                return Err(value("boundary_input", f, "a number", "the look has no such triangle"));
+            }
+        }
         let finite = "it must be finite";
         if let Some(i) = self.layer_uvw.iter().position(|u| !u.as_flattened().iter().all(|c| c.is_finite())) {
             return Err(value("layer_uvw", i, "NaN or infinity", finite));
@@ -373,11 +399,11 @@ fn volume_size(name: &str, shape: &[usize]) -> Result<[u32; 3], ModelFileError> 
     Ok(size)
 }
 
-struct Arrays<'a>(SafeTensors<'a>);
+pub(super) struct Arrays<'a>(SafeTensors<'a>);
 
 impl<'a> Arrays<'a> {
     /// An array of the given type and shape (`None`: any length).
-    fn get(
+    pub(super) fn get(
         &self,
         name: &str,
         dtype: Dtype,
@@ -399,26 +425,26 @@ impl<'a> Arrays<'a> {
     }
 }
 
-fn le_f64(values: &[f64]) -> Vec<u8> {
+pub(super) fn le_f64(values: &[f64]) -> Vec<u8> {
     values.iter().flat_map(|v| v.to_le_bytes()).collect()
 }
 
-fn le_f32(values: &[f32]) -> Vec<u8> {
+pub(super) fn le_f32(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|v| v.to_le_bytes()).collect()
 }
 
-fn le_u32(values: &[u32]) -> Vec<u8> {
+pub(super) fn le_u32(values: &[u32]) -> Vec<u8> {
     values.iter().flat_map(|v| v.to_le_bytes()).collect()
 }
 
-fn f64s(view: &TensorView<'_>) -> Vec<f64> {
+pub(super) fn f64s(view: &TensorView<'_>) -> Vec<f64> {
     view.data().as_chunks().0.iter().map(|c| f64::from_le_bytes(*c)).collect()
 }
 
-fn f32s(view: &TensorView<'_>) -> Vec<f32> {
+pub(super) fn f32s(view: &TensorView<'_>) -> Vec<f32> {
     view.data().as_chunks().0.iter().map(|c| f32::from_le_bytes(*c)).collect()
 }
 
-fn u32s(view: &TensorView<'_>) -> Vec<u32> {
+pub(super) fn u32s(view: &TensorView<'_>) -> Vec<u32> {
     view.data().as_chunks().0.iter().map(|c| u32::from_le_bytes(*c)).collect()
 }

@@ -9,7 +9,6 @@ use serde::Serialize;
 use super::assemble::{assemble, stack};
 use super::clump::{Ground, Pasted, Seed, Workspace, paste};
 use super::coverage::{Alpha, MaskTable, POINTS, sample_lattice};
-use super::frames::TetFrames;
 use super::kind::TextureType;
 use super::mapped;
 use super::measure::{FillMeasures, Fits, sharpness};
@@ -18,6 +17,7 @@ use super::params::FillParams;
 use super::seed::{Apart, spots, turn};
 use super::solid::LappedSolid;
 use crate::exec::{Cancelled, Exec};
+use crate::field::{Fields, FrameField};
 use crate::mesh::TetMesh;
 use crate::volume::{AlphaMask, SolidTexture};
 
@@ -138,45 +138,27 @@ pub enum FillError {
     Cancelled(#[from] Cancelled),
 }
 
-/// The fields that steer a fill: values at the vertices of the mesh. Each texture type draws on its own
-/// ([`TextureType::inputs`]); the others must be `None`.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Fields {
-    /// Depth, 0 outside to 1 innermost.
-    pub depth: Option<Vec<f64>>,
-    /// Unit vectors along texture x.
-    pub direction: Option<Vec<DVec3>>,
-    /// World length of one unit of texture.
-    pub scale: Option<Vec<f64>>,
-    /// Texture x itself, 0 to 1.
-    pub along: Option<Vec<f64>>,
-    /// Texture z itself, 0 to 1.
-    pub across: Option<Vec<f64>>,
+/// The same fields, as texture coordinates (f32) can hold them: so they follow a given coordinate exactly.
+pub(super) fn as_coordinates(fields: &Fields) -> Fields {
+    let round = |field: &Option<Vec<f64>>| {
+        field.as_ref().map(|f| f.iter().map(|&d| f64::from((d as f32).min(INSIDE))).collect())
+    };
+    Fields {
+        depth: round(&fields.depth),
+        along: round(&fields.along),
+        across: round(&fields.across),
+        ..fields.clone()
+    }
 }
 
-impl Fields {
-    /// The same, as texture coordinates (f32) can hold it: so they follow a given coordinate exactly.
-    fn as_coordinates(&self) -> Self {
-        let round = |field: &Option<Vec<f64>>| {
-            field.as_ref().map(|f| f.iter().map(|&d| f64::from(d as f32)).collect())
-        };
-        Self {
-            depth: round(&self.depth),
-            along: round(&self.along),
-            across: round(&self.across),
-            ..self.clone()
-        }
-    }
-
-    /// The texture coordinates that are given for a texture type.
-    fn given(&self, kind: TextureType) -> Given<'_> {
-        let [x, y, z] = kind.given();
-        [
-            self.along.as_deref().filter(|_| x),
-            self.depth.as_deref().filter(|_| y),
-            self.across.as_deref().filter(|_| z),
-        ]
-    }
+/// The texture coordinates that are given for a texture type.
+fn given(fields: &Fields, kind: TextureType) -> Given<'_> {
+    let [x, y, z] = kind.given();
+    [
+        fields.along.as_deref().filter(|_| x),
+        fields.depth.as_deref().filter(|_| y),
+        fields.across.as_deref().filter(|_| z),
+    ]
 }
 
 /// What a fill did.
@@ -201,6 +183,8 @@ pub struct FillReport {
 const BATCH: usize = 16;
 /// Patches for each unit of texture volume, seen in practice; for the estimate only.
 const PATCHES_PER_UNIT: f64 = 12.0;
+/// The greatest coordinate that is given: at 1 exactly, the rounding of an interpolation would leave the mask.
+const INSIDE: f32 = 1.0 - 1.0 / (1 << 20) as f32;
 /// The longest edge, in units of texture, for which the lattice tells coverage.
 const COARSEST: f64 = 4.0;
 
@@ -219,9 +203,9 @@ pub fn fill(
 ) -> Result<(LappedSolid, FillReport), FillError> {
     exec.install(|| {
         check(&mesh, kind, fields, params)?;
-        let fields = fields.as_coordinates();
-        mapped::check(&mesh, fields.given(kind))?;
-        let frames = TetFrames::new(&mesh, kind, &fields);
+        let fields = as_coordinates(fields);
+        mapped::check(&mesh, given(&fields, kind))?;
+        let frames = FrameField::new(&mesh, &fields, kind.given());
         let masks: Vec<AlphaMask> = match kind.given() {
             [true, _, true] => AlphaMask::new([1; 3], vec![255]).into_iter().collect(),
             [true, _, false] => vec![AlphaMask::slab(&params.mask, seed)],
@@ -231,8 +215,9 @@ pub fn fill(
         let tables: Vec<MaskTable> = masks.iter().map(MaskTable::new).collect();
         let ground = Ground {
             mesh: &mesh,
+            kind,
             frames: &frames,
-            given: fields.given(kind),
+            given: given(&fields, kind),
             masks: &masks,
             tables: &tables,
             params,
@@ -251,7 +236,7 @@ pub fn fill(
         let frame = frames.at_vertices(&mesh);
         let depth = fields.depth.clone().unwrap_or_else(|| vec![0.0; mesh.vertices.len()]);
         let (solid, hidden) = assemble(mesh, depth, frame, masks, texture, &lapped.pasted, &stacks);
-        let mut measures = FillMeasures::new(&solid, &lapped.fit, lapped.uncovered, fields.given(kind));
+        let mut measures = FillMeasures::new(&solid, &lapped.fit, lapped.uncovered, given(&fields, kind));
         measures.sharpness = sharpness(&solid, seed, exec)?;
         let report = FillReport {
             tetrahedra: solid.mesh.tets.len(),
@@ -316,7 +301,7 @@ fn check(mesh: &TetMesh, kind: TextureType, fields: &Fields, params: &FillParams
     Ok(())
 }
 
-fn check_scale(mesh: &TetMesh, frames: &TetFrames, params: &FillParams) -> Result<(), FillError> {
+fn check_scale(mesh: &TetMesh, frames: &FrameField, params: &FillParams) -> Result<(), FillError> {
     let units: f64 =
         (0..mesh.tets.len()).map(|t| mesh.tet_volume(t) / frames.lengths(t).element_product()).sum();
     let estimate = units * PATCHES_PER_UNIT;

@@ -9,19 +9,25 @@ mod fill;
 mod frames;
 mod hide;
 mod kind;
+mod look;
+mod look_file;
 mod mapped;
 mod measure;
 mod optimise;
 mod params;
 mod seed;
 mod solid;
+mod unfilled;
 
+pub use crate::field::Fields;
 pub use file::{FORMAT_VERSION, METADATA_KEY, ModelFileError};
-pub use fill::{Fields, FillError, FillReport, fill};
+pub use fill::{FillError, FillReport, fill};
 pub use kind::{Inputs, TextureType, UnknownType};
+pub use look::{Look, LookError};
 pub use measure::FillMeasures;
 pub use params::FillParams;
 pub use solid::{LappedSolid, Patch, interpolate};
+pub use unfilled::{bare, unfilled};
 
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,7 @@
 //! Triangle meshes from files, and the tetrahedra that fill them.
 
 mod boxes;
+mod cast;
 mod clean;
 mod defects;
 mod edges;
@@ -8,8 +9,10 @@ mod exact;
 mod locate;
 mod mesher;
 mod read;
+mod refine;
 #[cfg(test)]
 pub(crate) mod shapes;
+pub(crate) mod subdivide;
 mod tet;
 mod tet_files;
 mod tetrahedralise;
@@ -17,7 +20,9 @@ mod tri;
 mod wear;
 mod write;
 
-pub use clean::{CleanError, CleanReport, WELD_TOLERANCE, clean};
+pub(crate) use boxes::{BoxTree, box_of};
+pub(crate) use cast::Caster;
+pub use clean::{CleanError, CleanReport, Cleaned, Provenance, WELD_TOLERANCE, clean};
 pub use defects::{
     AtEdge, AtTriangle, AtVertex, Crossing, Defects, Found, Hole, MAX_CROSSINGS, PLACES, defects,
 };
@@ -25,9 +30,10 @@ pub(crate) use edges::Merging;
 pub use locate::TetLocator;
 pub(crate) use locate::closest_on_triangle;
 pub use mesher::{Mesher, MesherError, MesherLimits, tetgen_helper};
-pub use read::{MAX_MESH_ELEMENTS, MESH_EXTENSIONS, MeshFault, MeshReadError, Place, read};
-pub(crate) use tet::index;
+pub use read::{MAX_MESH_ELEMENTS, MESH_EXTENSIONS, MeshFault, MeshFile, MeshReadError, Place, read};
+pub use refine::refine;
 pub use tet::{BoundaryFace, FaceOrigin, NONE, TET_FACES, TetMesh, TopologyError, gradients, signed_volume};
+pub(crate) use tet::{Buckets, index};
 pub use tet_files::{
     TET_EXTENSIONS, TetFileError, VtuField, VtuValues, read_tets, tet_file_names, write_tets, write_vtu,
 };

@@ -97,7 +97,7 @@ impl TetMesh {
                 }
             }
             let volume = signed_volume(tet.map(|v| vertices[v as usize]));
-            if volume <= 0.0 {
+            if !(volume > 0.0) {
                 return Err(TopologyError::Inverted { tet: t, volume });
             }
         }
@@ -176,13 +176,13 @@ impl TetMesh {
 }
 
 /// Things by vertex: a counting sort, because sorting all that a large mesh has takes longer the larger it is.
-struct Buckets<T> {
+pub(crate) struct Buckets<T> {
     start: Vec<usize>,
     things: Vec<T>,
 }
 
 impl<T: Copy + Default + Ord> Buckets<T> {
-    fn new(things: impl Iterator<Item = (u32, T)> + Clone) -> Self {
+    pub(crate) fn new(things: impl Iterator<Item = (u32, T)> + Clone) -> Self {
         let most = things.clone().map(|(v, _)| v as usize + 1).max().unwrap_or(0);
         let mut start = vec![0; most + 1];
         for (v, _) in things.clone() {
@@ -201,12 +201,13 @@ impl<T: Copy + Default + Ord> Buckets<T> {
         Self { start, things: sorted }
     }
 
-    fn len(&self) -> usize {
+    /// One more than the largest vertex.
+    pub(crate) fn len(&self) -> usize {
         self.start.len() - 1
     }
 
     /// The things of vertex `v`, in order.
-    fn sorted(&mut self, v: usize) -> &mut [T] {
+    pub(crate) fn sorted(&mut self, v: usize) -> &mut [T] {
         let things = &mut self.things[self.start[v]..self.start[v + 1]];
         things.sort_unstable();
         things

@@ -2,20 +2,29 @@
 
 use std::collections::BTreeSet;
 
+use super::{NONE, Provenance};
+use crate::colour::{decode, encode};
+
 /// What a name in a mesh file stands for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum RegionKind {
-    /// A group or an object of an OBJ file, a mesh or a primitive of a glTF file.
+    /// An object of an OBJ file, a node of a glTF file.
+    Object,
+    /// A group of an OBJ file, a mesh of a glTF file, or a primitive of one (`MESH/0`, `MESH/1`, …).
     Group,
     /// A material.
     Material,
 }
 
 impl RegionKind {
-    /// `group` or `material`: what stands before the colon in `group:NAME`.
+    /// All kinds.
+    pub const ALL: [Self; 3] = [Self::Object, Self::Group, Self::Material];
+
+    /// `object`, `group` or `material`: what stands before the colon in `group:NAME`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
+            Self::Object => "object",
             Self::Group => "group",
             Self::Material => "material",
         }
@@ -85,37 +94,120 @@ pub enum RegionError {
         /// What there is, in words.
         known: String,
     },
-    /// A group and a material of one name cover different triangles.
+    /// Regions of one name, but of different kinds, cover different triangles.
     #[error(
-        "'{name}' is a group and a material of the mesh, of different triangles: write 'group:{name}' or 'material:{name}'"
+        "'{name}' names several regions of the mesh, of different triangles: write {}",
+        choices(kinds, name)
     )]
     Ambiguous {
         /// The name asked for.
         name: String,
+        /// The kinds of region that have it.
+        kinds: Vec<RegionKind>,
+    },
+    /// Several regions of one name and one kind cover different triangles.
+    #[error("the mesh has {count} {}s named '{name}', of different triangles: rename them in the mesh file", kind.name())]
+    Twice {
+        /// The name asked for.
+        name: String,
+        /// Their kind.
+        kind: RegionKind,
+        /// How many there are.
+        count: usize,
     },
 }
 
+/// `'group:NAME' or 'material:NAME'`.
+fn choices(kinds: &[RegionKind], name: &str) -> String {
+    kinds.iter().map(|kind| format!("'{}:{name}'", kind.name())).collect::<Vec<_>>().join(" or ")
+}
+
 impl Wear {
-    /// The triangles of the region called `name`, ascending. `group:NAME` and `material:NAME` say which kind is
-    /// meant.
+    /// The triangles of the region called `name`, ascending. `object:NAME`, `group:NAME` and `material:NAME`
+    /// say which kind is meant.
     ///
     /// # Errors
-    /// [`RegionError`]: unknown, or ambiguous.
+    /// [`RegionError`]: unknown, or several of that name with different triangles.
     pub fn region(&self, name: &str) -> Result<&[u32], RegionError> {
-        let of_kind =
-            |kind: RegionKind, name: &str| self.regions.iter().find(|r| r.kind == kind && r.name == name);
-        for kind in [RegionKind::Group, RegionKind::Material] {
+        for kind in RegionKind::ALL {
             let prefix = name.strip_prefix(kind.name()).and_then(|rest| rest.strip_prefix(':'));
-            if let Some(found) = prefix.and_then(|rest| of_kind(kind, rest)) {
+            if let Some(found) = prefix.map(|rest| self.of_kind(kind, rest)).transpose()?.flatten() {
                 return Ok(&found.triangles);
             }
         }
-        match (of_kind(RegionKind::Group, name), of_kind(RegionKind::Material, name)) {
-            (Some(a), Some(b)) if a.triangles != b.triangles => {
-                Err(RegionError::Ambiguous { name: name.to_owned() })
+        let mut found: Vec<&Region> = Vec::new();
+        for kind in RegionKind::ALL {
+            found.extend(self.of_kind(kind, name)?);
+        }
+        match found.as_slice() {
+            [] => Err(RegionError::Unknown { name: name.to_owned(), known: self.known() }),
+            [first, others @ ..] if others.iter().all(|other| other.triangles == first.triangles) => {
+                Ok(&first.triangles)
             }
-            (Some(found), _) | (None, Some(found)) => Ok(&found.triangles),
-            (None, None) => Err(RegionError::Unknown { name: name.to_owned(), known: self.known() }),
+            _ => Err(RegionError::Ambiguous {
+                name: name.to_owned(),
+                kinds: found.iter().map(|r| r.kind).collect(),
+            }),
+        }
+    }
+
+    /// The region of this kind and name, if there is one.
+    fn of_kind(&self, kind: RegionKind, name: &str) -> Result<Option<&Region>, RegionError> {
+        let all: Vec<&Region> = self.regions.iter().filter(|r| r.kind == kind && r.name == name).collect();
+        match all.as_slice() {
+            [first, others @ ..] if others.iter().any(|other| other.triangles != first.triangles) => {
+                Err(RegionError::Twice { name: name.to_owned(), kind, count: all.len() })
+            }
+            all => Ok(all.first().copied()),
+        }
+    }
+
+    /// Whether anything of it can be seen: colours of vertices, or materials that triangles have.
+    #[must_use]
+    pub fn is_visible(&self) -> bool {
+        !self.colours.is_empty() || self.material.iter().any(|&m| m != NONE)
+    }
+
+    /// What the triangles of a cleaned surface wear, by where they come from.
+    ///
+    /// `self` is what the surface wore before. Texture coordinates and colours of new corners are those at
+    /// their place in the old triangle; regions whose triangles all went stay, without any.
+    ///
+    /// # Panics
+    /// Where `from` names a triangle that `self` has no entry for.
+    #[must_use]
+    pub fn carried_over(&self, from: &Provenance) -> Self {
+        let count = from.triangles().len();
+        let old = |t: usize| from.triangles()[t] as usize;
+        let uv = if self.uv.is_empty() {
+            Vec::new()
+        } else {
+            (0..count).map(|t| from.weights(t).map(|w| blend(w, self.uv[old(t)]))).collect()
+        };
+        let colours = if self.colours.is_empty() {
+            Vec::new()
+        } else {
+            let at = |t: usize, w: [f64; 3]| {
+                // A corner that stays keeps its bytes.
+                match w.iter().position(|&w| w == 1.0) {
+                    Some(k) => self.colours[old(t)][k],
+                    None => encode(blend(w, self.colours[old(t)].map(decode))),
+                }
+            };
+            (0..count).map(|t| from.weights(t).map(|w| at(t, w))).collect()
+        };
+        let material = if self.material.is_empty() {
+            Vec::new()
+        } else {
+            (0..count).map(|t| self.material[old(t)]).collect()
+        };
+        Self {
+            regions: carried_regions(&self.regions, from.triangles()),
+            uv,
+            colours,
+            material,
+            materials: self.materials.clone(),
+            pictures: self.pictures.clone(),
         }
     }
 
@@ -131,6 +223,35 @@ impl Wear {
         let rest = if more > 0 { format!(" and {more} more") } else { String::new() };
         format!("it has {}{rest}", shown.join(", "))
     }
+}
+
+/// A value at barycentric coordinates of a triangle, from those at its corners.
+fn blend<const N: usize>(weights: [f64; 3], corners: [[f32; N]; 3]) -> [f32; N] {
+    #[allow(clippy::cast_possible_truncation)] // texture coordinates and colours are f32
+    std::array::from_fn(|n| {
+        (0..3).filter(|&k| weights[k] != 0.0).map(|k| weights[k] * f64::from(corners[k][n])).sum::<f64>()
+            as f32
+    })
+}
+
+/// The regions with the triangles that come from theirs.
+fn carried_regions(regions: &[Region], from: &[u32]) -> Vec<Region> {
+    if regions.is_empty() {
+        return Vec::new();
+    }
+    // The new triangles by the old ones that they come from; most have one, and in the same order.
+    let mut by_old: Vec<(u32, u32)> = from.iter().zip(0..).map(|(&old, new)| (old, new)).collect();
+    by_old.sort_unstable();
+    let of = |old: u32| {
+        let start = by_old.partition_point(|&(o, _)| o < old);
+        by_old[start..].iter().take_while(move |&&(o, _)| o == old).map(|&(_, new)| new)
+    };
+    let carried = |region: &Region| {
+        let mut triangles: Vec<u32> = region.triangles.iter().flat_map(|&old| of(old)).collect();
+        triangles.sort_unstable();
+        Region { name: region.name.clone(), kind: region.kind, triangles }
+    };
+    regions.iter().map(carried).collect()
 }
 
 #[cfg(test)]
@@ -161,6 +282,15 @@ mod tests {
         assert_eq!(wear.region("group:skin"), Ok(&[0, 1][..]));
         assert_eq!(wear.region("material:skin"), Ok(&[0][..]));
         assert!(matches!(wear.region("skin"), Err(RegionError::Ambiguous { .. })));
+        let message = wear.region("skin").unwrap_err().to_string();
+        assert!(message.contains("'group:skin' or 'material:skin'"), "{message}");
+        let mut twice = wear.clone();
+        twice.regions[3].name = "skin".to_owned();
+        let message = twice.region("group:skin").unwrap_err().to_string();
+        assert!(message.contains("2 groups named 'skin'") && message.contains("rename"), "{message}");
+        assert!(matches!(twice.region("skin"), Err(RegionError::Twice { .. })));
+        twice.regions[3].triangles = twice.regions[0].triangles.clone();
+        assert_eq!(twice.region("group:skin"), Ok(&[0, 1][..]));
         let unknown = wear.region("peel").unwrap_err().to_string();
         assert!(unknown.contains("'peel'") && unknown.contains("'cap', 'core', 'skin'"), "{unknown}");
         assert!(Wear::default().region("a").unwrap_err().to_string().contains("none"));

@@ -51,7 +51,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.obj");
         std::fs::write(&path, &bytes).unwrap();
-        let back = read(&path).unwrap();
+        let back = read(&path).unwrap().mesh;
         assert_eq!(back.triangles, mesh.triangles);
         for (a, b) in back.vertices.iter().zip(&mesh.vertices) {
             assert_eq!(a.to_array().map(f64::to_bits), b.to_array().map(f64::to_bits));

@@ -5,15 +5,14 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use super::file::{CutEntry, DepthTable, DirectionTable, ExportEntry, PictureEntry, ScaleTable};
-use super::part::{DepthInput, DirectionInput, ScaleInput};
+use super::file::{CutEntry, ExportEntry, PictureEntry};
+use super::painted::view;
 use super::plan::{Along, Cut, Model, Picture};
 use super::problem::ProjectProblem;
 use crate::cut::CutSurface;
-use crate::field::DepthPaint;
 use crate::lap::FillParams;
 use crate::render::RenderParams;
-use crate::view::{Camera, Stroke, StrokeFile};
+use crate::view::{Stroke, StrokeFile, is_svg};
 
 /// The cuts that are known so far, by name.
 #[derive(Default)]
@@ -29,7 +28,7 @@ impl Names {
     }
 
     /// `whole`, `CUT/N` or `CUT`.
-    fn find(&self, key: &str, word: &str) -> Result<Model, ProjectProblem> {
+    pub(super) fn find(&self, key: &str, word: &str) -> Result<Model, ProjectProblem> {
         let unknown = || ProjectProblem::NoModel {
             key: key.to_owned(),
             name: word.to_owned(),
@@ -69,64 +68,13 @@ pub(super) fn repeated<'a>(names: impl Iterator<Item = &'a str>) -> Option<&'a s
     sorted.windows(2).find(|w| w[0] == w[1]).map(|w| w[0])
 }
 
-fn finite(key: &str, points: &[DVec3]) -> Result<(), ProjectProblem> {
+pub(super) fn finite(key: &str, points: &[DVec3]) -> Result<(), ProjectProblem> {
     match points.iter().flat_map(DVec3::to_array).find(|x| !x.is_finite()) {
         Some(value) => {
             Err(ProjectProblem::Range { key: key.to_owned(), value, range: "coordinates must be finite" })
         }
         None => Ok(()),
     }
-}
-
-/// `name` is the table's: `depth`, `along` or `across`.
-pub(super) fn depth(name: &str, table: DepthTable) -> Result<DepthInput, ProjectProblem> {
-    let check = |key: String, value: f64| {
-        if (0.0..=1.0).contains(&value) {
-            return Ok(());
-        }
-        Err(ProjectProblem::Range { key, value, range: "it lies between 0 (outside) and 1 (innermost)" })
-    };
-    if let Some(skin) = table.skin {
-        check(format!("{name}.skin"), skin)?;
-    }
-    for (i, line) in table.stroke.iter().enumerate() {
-        check(format!("{name}.stroke[{i}].depth"), line.depth)?;
-        finite(&format!("{name}.stroke[{i}].points"), &line.points)?;
-    }
-    Ok(DepthInput { paint: DepthPaint { skin: table.skin, strokes: table.stroke }, params: table.fit })
-}
-
-pub(super) fn direction(table: DirectionTable) -> Result<DirectionInput, ProjectProblem> {
-    let choice = |choice| ProjectProblem::Choice { key: "direction".to_owned(), choice };
-    match (table.constant, table.stroke.is_empty()) {
-        (Some(_), false) => Err(choice("it has a constant and strokes; one of them sets the direction")),
-        (None, true) => Err(choice("give `constant = [x, y, z]` or [[direction.stroke]] tables")),
-        (Some(v), true) if v.try_normalize().is_none() => {
-            Err(choice("the constant direction is zero or not finite"))
-        }
-        (Some(v), true) => Ok(DirectionInput::Constant(v)),
-        (None, false) => {
-            for (i, line) in table.stroke.iter().enumerate() {
-                finite(&format!("direction.stroke[{i}].points"), &line.points)?;
-            }
-            Ok(DirectionInput::Strokes(table.stroke, table.smooth))
-        }
-    }
-}
-
-pub(super) fn scale(table: ScaleTable) -> Result<ScaleInput, ProjectProblem> {
-    let check = |key: String, value: f64| {
-        if value.is_finite() && value > 0.0 {
-            return Ok(());
-        }
-        Err(ProjectProblem::Range { key, value, range: "a scale is a length greater than 0" })
-    };
-    check("scale.everywhere".to_owned(), table.everywhere)?;
-    for (i, s) in table.at.iter().enumerate() {
-        check(format!("scale.at[{i}].scale"), s.scale)?;
-        finite(&format!("scale.at[{i}].point"), &[s.point])?;
-    }
-    Ok(ScaleInput { everywhere: table.everywhere, at: table.at })
 }
 
 pub(super) fn cut(entry: CutEntry, folder: &Path, names: &Names) -> Result<Cut, ProjectProblem> {
@@ -141,21 +89,22 @@ pub(super) fn cut(entry: CutEntry, folder: &Path, names: &Names) -> Result<Cut, 
         let choice = "one cut cuts one model; name a piece in `of`, such as 'NAME/1'";
         return Err(ProjectProblem::Choice { key, choice });
     }
-    let camera = |camera: Option<Camera>| match camera {
-        Some(c) => c
-            .validate()
-            .map(|()| Some(c))
-            .map_err(|source| ProjectProblem::Camera { key: format!("{key}: camera"), source }),
-        None => Ok(None),
-    };
     let one = || ProjectProblem::Choice {
         key: key.clone(),
-        choice: "give exactly one of `plane`, `stroke` and `file`",
+        choice: "give exactly one of `plane`, `stroke`, `svg` and `file`",
     };
-    let (stroke, camera) = match (entry.plane, entry.stroke, entry.file) {
-        (Some([x, y, z, offset]), None, None) => {
-            if entry.camera.is_some() || entry.closed {
-                let choice = "a plane takes neither `camera` nor `closed`";
+    if entry.id.is_some() && entry.svg.is_none() {
+        let choice = "`id` names a line of an SVG drawing: give `svg` too";
+        return Err(ProjectProblem::Choice { key, choice });
+    }
+    let read = |what: &str, file: &Path| {
+        StrokeFile::read(&folder.join(file), entry.id.as_deref())
+            .map_err(|source| ProjectProblem::StrokeFile { key: format!("{key}: {what}"), source })
+    };
+    let drawn = match (entry.plane, entry.stroke, entry.svg, entry.file) {
+        (Some([x, y, z, offset]), None, None, None) => {
+            if entry.camera.is_some() || entry.from.is_some() || entry.closed {
+                let choice = "a plane takes none of `camera`, `from` and `closed`";
                 return Err(ProjectProblem::Choice { key, choice });
             }
             let normal = DVec3::new(x, y, z);
@@ -166,30 +115,30 @@ pub(super) fn cut(entry: CutEntry, folder: &Path, names: &Names) -> Result<Cut, 
             let along = Along::Surface(CutSurface::Plane { normal, offset });
             return Ok(Cut { name, of, along, params: entry.params });
         }
-        (None, Some(points), None) => {
+        (None, Some(points), None, None) => {
             let points = points.into_iter().map(DVec2::from).collect();
             let stroke = Stroke { points, closed: entry.closed };
             let stroke = stroke
                 .cleaned()
                 .map_err(|source| ProjectProblem::Stroke { key: format!("{key}: stroke"), source })?;
-            (stroke, camera(entry.camera)?)
+            StrokeFile { stroke, camera: None, aspect: None }
         }
-        (None, None, Some(file)) => {
-            if entry.closed {
-                let choice = "`closed` belongs into the stroke file";
-                return Err(ProjectProblem::Choice { key, choice });
-            }
-            let read = StrokeFile::read(&folder.join(file))
-                .map_err(|source| ProjectProblem::StrokeFile { key: format!("{key}: file"), source })?;
-            (read.stroke, camera(entry.camera)?.or(read.camera))
+        (None, None, Some(_), None) | (None, None, None, Some(_)) if entry.closed => {
+            let choice = "`closed` belongs into the file: close the line there";
+            return Err(ProjectProblem::Choice { key, choice });
         }
+        (None, None, Some(file), None) if !is_svg(&file) => {
+            let choice = "`svg` names a drawing, whose name ends in .svg; other stroke files are a `file`";
+            return Err(ProjectProblem::Choice { key, choice });
+        }
+        (None, None, Some(file), None) => read("svg", &file)?,
+        (None, None, None, Some(file)) => read("file", &file)?,
         _ => return Err(one()),
     };
-    let along = match camera {
-        Some(camera) => Along::Surface(CutSurface::Stroke { stroke, camera }),
-        None => Along::Framed(stroke),
-    };
-    Ok(Cut { name, of, along, params: entry.params })
+    // Where the entry says from where the stroke was drawn, the file's own camera does not count.
+    let own = drawn.camera.filter(|_| entry.from.is_none());
+    let view = view(&key, entry.camera.or(own), entry.from, drawn.aspect)?;
+    Ok(Cut { name, of, along: Along::Drawn { stroke: drawn.stroke, view }, params: entry.params })
 }
 
 pub(super) fn picture(mut entry: PictureEntry, names: &Names) -> Result<Picture, ProjectProblem> {
@@ -207,18 +156,7 @@ pub(super) fn picture(mut entry: PictureEntry, names: &Names) -> Result<Picture,
         let range = "it is 0 or more";
         return Err(ProjectProblem::Range { key: format!("{key}: apart"), value: entry.apart, range });
     }
-    if let Some(camera) = &entry.camera {
-        camera
-            .validate()
-            .map_err(|source| ProjectProblem::Camera { key: format!("{key}: camera"), source })?;
-        if entry.from.is_some() {
-            let choice = "it has `camera` and `from`; one of them says where it is seen from";
-            return Err(ProjectProblem::Choice { key, choice });
-        }
-    }
-    if entry.from.is_some_and(|v| v.try_normalize().is_none()) {
-        return Err(ProjectProblem::Choice { key, choice: "`from` is zero or not finite" });
-    }
+    view(&key, entry.camera, entry.from, None)?;
     entry
         .render
         .validate()

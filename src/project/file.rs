@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use super::painted::{DepthTable, DirectionTable, ScaleTable};
 use crate::cut::CutParams;
 use crate::export::{AtlasParams, ExportFormat, PlyParams};
-use crate::field::{DepthParams, DepthStroke, DirectionParams, DirectionStroke, ScaleAt};
 use crate::lap::{FillParams, TextureType};
 use crate::mesh::TetParams;
 use crate::render::RenderParams;
@@ -45,6 +45,10 @@ pub(super) struct MeshTable {
     pub(super) tets: usize,
     #[serde(default)]
     pub(super) keep_surface: bool,
+    #[serde(default)]
+    pub(super) keep_look: bool,
+    #[serde(default)]
+    pub(super) refine_singular: u32,
 }
 
 fn tets() -> usize {
@@ -58,37 +62,6 @@ pub(super) struct TextureTable {
     pub(super) volume: PathBuf,
     #[serde(rename = "type")]
     pub(super) kind: TextureType,
-}
-
-/// `[depth]`: where the texture's second axis runs; `[along]` and `[across]`: the first and the third.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct DepthTable {
-    pub(super) skin: Option<f64>,
-    #[serde(default)]
-    pub(super) stroke: Vec<DepthStroke>,
-    #[serde(default)]
-    pub(super) fit: DepthParams,
-}
-
-/// `[direction]`: where the texture's first axis runs.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct DirectionTable {
-    pub(super) constant: Option<DVec3>,
-    #[serde(default)]
-    pub(super) stroke: Vec<DirectionStroke>,
-    #[serde(default)]
-    pub(super) smooth: DirectionParams,
-}
-
-/// `[scale]`: how large the texture is.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct ScaleTable {
-    pub(super) everywhere: f64,
-    #[serde(default)]
-    pub(super) at: Vec<ScaleAt>,
 }
 
 /// `[[cut]]`: one cut, made in the order of the file.
@@ -112,9 +85,18 @@ pub struct CutEntry {
     /// A stroke file instead.
     #[serde(default)]
     pub file: Option<PathBuf>,
+    /// An SVG drawing over a picture instead, with one line.
+    #[serde(default)]
+    pub svg: Option<PathBuf>,
+    /// The id of the drawing's line, where it has several.
+    #[serde(default)]
+    pub id: Option<String>,
     /// The camera that the stroke was drawn under; left out, it frames what is cut.
     #[serde(default)]
     pub camera: Option<Camera>,
+    /// Instead of a camera: the direction from which one frames what is cut.
+    #[serde(default)]
+    pub from: Option<DVec3>,
     /// How exactly it is cut.
     #[serde(default)]
     pub params: CutParams,

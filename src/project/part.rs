@@ -8,18 +8,23 @@ use std::time::Instant;
 use glam::DVec3;
 use serde_json::json;
 
+use super::fields::{PaintedFields, painted_fields};
+use super::plan::Cut;
+use crate::cut::CutError;
 use crate::exec::{Cancelled, Exec};
-use crate::field::{
-    self, DepthError, DepthPaint, DepthParams, DirectionError, DirectionParams, DirectionStroke, ScaleAt,
-    ScaleError,
-};
-use crate::lap::{self, Fields, FillError, FillParams, LappedSolid, TextureType};
+use crate::field::{DepthParams, DirectionParams, FrameField, Singularities};
+use crate::lap::{self, Fields, FillError, FillParams, LappedSolid, Look, LookError, TextureType};
 use crate::mesh::{
     self, CleanError, CleanReport, MeshReadError, Mesher, SplitError, TetError, TetFileError, TetMesh,
-    TetParams, TetReport,
+    TetParams, TetReport, TopologyError, TriMesh, Wear,
 };
+use crate::paint::{DepthPaint, DirectionStroke, Ground, PaintError, PaintProblem, ScaleAt};
 use crate::project::Report;
+use crate::render::Mark;
 use crate::volume::{self, VolumeReadError};
+
+/// The most levels of refinement at singularities.
+pub const MAX_REFINE_SINGULAR: u32 = 6;
 
 /// All that makes one filled model.
 #[derive(Debug, Clone)]
@@ -28,6 +33,10 @@ pub struct Part {
     pub mesh: PathBuf,
     /// How the surface is filled with tetrahedra.
     pub tets: TetParams,
+    /// How often the tetrahedra at singularities of the frames are refined \[LST 7\].
+    pub refine_singular: u32,
+    /// Whether the outside keeps the mesh's own look, so that only cuts show the filling.
+    pub keep_look: bool,
     /// The solid texture: an `.nrrd` file or a folder of slices.
     pub volume: PathBuf,
     /// The texture's type.
@@ -42,6 +51,9 @@ pub struct Part {
     pub along: Option<DepthInput>,
     /// What paints the field that is texture z, where the type has one.
     pub across: Option<DepthInput>,
+    /// The cuts on whose pieces something may be painted, in their order: the numbers of [`Ground::Piece`] count
+    /// them.
+    pub cuts: Vec<Cut>,
     /// How it is lapped.
     pub fill: FillParams,
 }
@@ -128,26 +140,54 @@ pub enum PartError {
         /// Why.
         source: SplitError,
     },
-    /// No field of numbers comes of what is painted.
-    #[error("cannot make the field '{field}'")]
-    Depth {
-        /// Which one: `depth`, `along` or `across`.
-        field: &'static str,
+    /// Refining at the singularities failed.
+    #[error("cannot refine the tetrahedra at the frames' singularities; leave refine_singular at 0")]
+    Refine(#[source] TopologyError),
+    /// More levels of refinement than make sense.
+    #[error(
+        "refine_singular is {0}; it must be 0 to {MAX_REFINE_SINGULAR}: each level halves the edges there"
+    )]
+    RefineLevels(u32),
+    /// Something painted that cannot be used.
+    #[error(transparent)]
+    Paint(PaintError),
+    /// A cut on whose piece something is painted.
+    #[error("cannot make the cut '{name}', on a piece of which something is painted")]
+    Cut {
+        /// Its name.
+        name: String,
         /// Why.
-        source: DepthError,
+        source: CutError,
     },
-    /// No direction field comes of the strokes.
-    #[error("cannot make the direction field")]
-    Direction(#[source] DirectionError),
-    /// No scale field comes of the scales.
-    #[error("cannot make the scale field")]
-    Scale(#[source] ScaleError),
+    /// The mesh has no look to keep.
+    #[error(
+        "keep_look (--keep-look on the command line): {} has no look to keep{notes}; leave it out, or export the \
+         mesh with vertex colours or with its materials and pictures (OBJ with its MTL and PNG beside it, GLB, PLY)",
+        path.display()
+    )]
+    Look {
+        /// The mesh.
+        path: PathBuf,
+        /// What was said when it was read, each in brackets after a space.
+        notes: String,
+        /// What is missing.
+        source: LookError,
+    },
     /// The lapping failed.
     #[error("cannot lap the texture")]
     Fill(#[source] FillError),
     /// The caller asked it to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl From<PaintError> for PartError {
+    fn from(error: PaintError) -> Self {
+        match error.problem {
+            PaintProblem::Cancelled(c) => Self::Cancelled(c),
+            _ => Self::Paint(error),
+        }
+    }
 }
 
 fn how_to_give(inputs: &[&str]) -> String {
@@ -181,9 +221,12 @@ impl Part {
     /// Checks that what is given is what the texture's type draws on \[LST 3, 4\].
     ///
     /// # Errors
-    /// [`PartError::Needs`], [`PartError::Takes`].
+    /// [`PartError::Needs`], [`PartError::Takes`], [`PartError::RefineLevels`].
     pub fn check(&self) -> Result<(), PartError> {
         let kind = self.kind;
+        if self.refine_singular > MAX_REFINE_SINGULAR {
+            return Err(PartError::RefineLevels(self.refine_singular));
+        }
         let given = [
             self.depth.is_some(),
             self.direction.is_some(),
@@ -199,6 +242,29 @@ impl Part {
             all.filter(|((_, needed), given)| *needed && !given).map(|((input, _), _)| input).collect();
         if inputs.is_empty() { Ok(()) } else { Err(PartError::Needs { kind, inputs }) }
     }
+
+    /// What its strokes are drawn on.
+    pub(super) fn grounds(&self) -> impl Iterator<Item = &Ground> {
+        let given = [&self.depth, &self.along, &self.across];
+        let depth = given.into_iter().flatten().flat_map(|d| d.paint.strokes.iter().map(|s| &s.place.on));
+        let direction = match &self.direction {
+            Some(DirectionInput::Strokes(strokes, _)) => &strokes[..],
+            _ => &[],
+        };
+        depth.chain(direction.iter().map(|s| &s.place.on))
+    }
+}
+
+/// The tetrahedra of a part, and the surface that they were made of.
+#[derive(Debug, Clone, Default)]
+pub struct PartMesh {
+    /// The tetrahedra.
+    pub mesh: TetMesh,
+    /// The cleaned surface: [`FaceOrigin::Input`](crate::mesh::FaceOrigin::Input) counts its triangles. Empty
+    /// where the tetrahedra come from a file.
+    pub surface: TriMesh,
+    /// What that surface wears: regions, texture coordinates, colours, materials.
+    pub wear: Wear,
 }
 
 /// Reads a surface, cleans it and fills it with tetrahedra; tetrahedra in a file are taken as they are.
@@ -210,7 +276,7 @@ pub fn tet_mesh(
     params: &TetParams,
     mesher: &Mesher,
     exec: &Exec,
-) -> Result<(TetMesh, Report), PartError> {
+) -> Result<(PartMesh, Report), PartError> {
     let mut report = Report::default();
     let mut start = Instant::now();
     if is_tet_file(path) {
@@ -218,15 +284,18 @@ pub fn tet_mesh(
         report.took("read", start);
         report.count("tetrahedra", mesh.tets.len());
         report.count("vertices", mesh.vertices.len());
-        return Ok((mesh, report));
+        return Ok((PartMesh { mesh, ..PartMesh::default() }, report));
     }
-    let surface = mesh::read(path)?;
-    let (surface, cleaned) =
-        mesh::clean(&surface).map_err(|source| PartError::Clean { path: path.to_owned(), source })?;
+    let file = mesh::read(path)?;
+    report.notes.extend(file.notes);
+    let cleaned =
+        mesh::clean(&file.mesh).map_err(|source| PartError::Clean { path: path.to_owned(), source })?;
     let mut cleaning = Report::default();
-    cleaning.add(&cleaned);
+    cleaning.add(&cleaned.report);
     report.nest("cleaned", cleaning);
-    report.notes.extend(cleaning_note(&cleaned));
+    report.notes.extend(cleaning_note(&cleaned.report));
+    let wear = file.wear.carried_over(&cleaned.from);
+    let surface = cleaned.mesh;
     report.took("read", start);
     start = Instant::now();
     let (mesh, made) = mesh::tetrahedralise(&surface, params, mesher, exec)
@@ -239,7 +308,7 @@ pub fn tet_mesh(
     report.count("vertices", mesh.vertices.len());
     report.took("tetrahedralise", start);
     report.spent("tetgen", made.tetgen_seconds);
-    Ok((mesh, report))
+    Ok((PartMesh { mesh, surface, wear }, report))
 }
 
 /// What cleaning changed; nothing for a mesh that was clean.
@@ -287,16 +356,22 @@ pub fn is_tet_file(path: &Path) -> bool {
     mesh::TET_EXTENSIONS.contains(&extension.as_str())
 }
 
+/// A part that was made, filled or not.
+#[derive(Debug, Clone)]
+pub struct MadePart {
+    /// The model.
+    pub solid: LappedSolid,
+    /// The painted strokes, to be drawn over pictures of the fields.
+    pub marks: Vec<Mark>,
+    /// What was done.
+    pub report: Report,
+}
+
 /// Fills one part: reads its mesh and its texture, makes the tetrahedra and the fields, laps.
 ///
 /// # Errors
 /// [`PartError`] says what stands in the way.
-pub fn fill_part(
-    part: &Part,
-    seed: u64,
-    mesher: &Mesher,
-    exec: &Exec,
-) -> Result<(LappedSolid, Report), PartError> {
+pub fn fill_part(part: &Part, seed: u64, mesher: &Mesher, exec: &Exec) -> Result<MadePart, PartError> {
     part.check()?;
     // The quick things first, so that a wrong file name does not wait for the tetrahedra.
     let start = Instant::now();
@@ -304,19 +379,86 @@ pub fn fill_part(
     let mut report = Report::default();
     report.took("read", start);
     exec.check()?;
-    let (mesh, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
-    report.join(meshed);
-    let mesh = fit_for_depth(part, mesh, &mut report, exec)?;
-    let start = Instant::now();
-    let fields = fields(part, &mesh, &mut report, exec)?;
-    report.took("fields", start);
+    let Painted { mesh, fields, look, marks } = painted(part, mesher, &mut report, exec)?;
     let start = Instant::now();
     let (mut solid, filled) = lap::fill(mesh, Arc::new(texture), part.kind, &fields, &part.fill, seed, exec)
         .map_err(PartError::Fill)?;
+    solid.look = look;
     solid.settings = settings(part, seed);
     report.add(&filled);
     report.took("fill", start);
-    Ok((solid, report))
+    Ok(MadePart { solid, marks, report })
+}
+
+/// A part as it is painted, before it is filled: reads its mesh, makes the tetrahedra and the fields. Its solid
+/// texture is not opened.
+///
+/// # Errors
+/// [`PartError`] says what stands in the way.
+pub fn painted_part(part: &Part, mesher: &Mesher, exec: &Exec) -> Result<MadePart, PartError> {
+    part.check()?;
+    let mut report = Report::default();
+    let Painted { mesh, fields, look, marks } = painted(part, mesher, &mut report, exec)?;
+    let mut solid = lap::unfilled(mesh, part.kind, &fields);
+    solid.look = look;
+    solid.settings = settings(part, 0);
+    Ok(MadePart { solid, marks, report })
+}
+
+/// All that a fill begins with.
+struct Painted {
+    mesh: TetMesh,
+    fields: Fields,
+    look: Option<Arc<Look>>,
+    marks: Vec<Mark>,
+}
+
+/// The tetrahedra of a part, refined where its frames are singular, and the fields over them.
+fn painted(part: &Part, mesher: &Mesher, report: &mut Report, exec: &Exec) -> Result<Painted, PartError> {
+    let (PartMesh { mesh, surface, wear }, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
+    report.join(meshed);
+    let look = if part.keep_look { Some(look(part, surface, &wear, &report.notes)?) } else { None };
+    let mut mesh = fit_for_depth(part, mesh, report, exec)?;
+    let start = Instant::now();
+    let mut painted = painted_fields(part, &mesh, &wear, report, exec)?;
+    let mut singular = singularities(part, &mesh, &painted.fields);
+    for _ in 0..part.refine_singular {
+        if singular.tets.is_empty() {
+            break;
+        }
+        exec.check()?;
+        mesh = mesh::refine(&mesh, &singular.tets).map_err(PartError::Refine)?;
+        if part.kind.inputs().depth {
+            // A halved edge of a thin part's surface may join it to itself.
+            mesh = split_for_depth(part, &mesh, exec)?.0;
+        }
+        painted = painted_fields(part, &mesh, &wear, report, exec)?;
+        singular = singularities(part, &mesh, &painted.fields);
+    }
+    report.count("tetrahedra", mesh.tets.len());
+    report.count("vertices", mesh.vertices.len());
+    report.count("singular_edges", singular.edges.len());
+    report.count("singular_tets", singular.tets.len());
+    report.count("singularities", singular.curves);
+    report.took("fields", start);
+    Ok(Painted { mesh, look, marks: marks(&painted), fields: painted.fields })
+}
+
+/// The strokes as they lie in space, to be drawn over pictures.
+fn marks(painted: &PaintedFields) -> Vec<Mark> {
+    let depth = painted.depth_strokes.iter();
+    let direction = painted.direction_strokes.iter();
+    depth
+        .map(|s| Mark::Depth { points: s.points.clone(), depth: s.depth })
+        .chain(direction.map(|s| Mark::Direction { points: s.points.clone() }))
+        .collect()
+}
+
+fn split_for_depth(part: &Part, mesh: &TetMesh, exec: &Exec) -> Result<(TetMesh, mesh::Splits), PartError> {
+    mesh::split_for_depth(mesh, exec).map_err(|e| match e {
+        SplitError::Cancelled(e) => e.into(),
+        source => PartError::Split { path: part.mesh.clone(), source },
+    })
 }
 
 /// Tetrahedra of a file may have their four vertices on the surface; where depth is painted there, they are split.
@@ -326,10 +468,7 @@ fn fit_for_depth(part: &Part, mesh: TetMesh, report: &mut Report, exec: &Exec) -
         return Ok(mesh);
     }
     let start = Instant::now();
-    let (mesh, splits) = mesh::split_for_depth(&mesh, exec).map_err(|e| match e {
-        SplitError::Cancelled(e) => e.into(),
-        source => PartError::Split { path: part.mesh.clone(), source },
-    })?;
+    let (mesh, splits) = split_for_depth(part, &mesh, exec)?;
     report.add(&splits);
     if splits != mesh::Splits::default() {
         report.notes.push(format!(
@@ -341,6 +480,21 @@ fn fit_for_depth(part: &Part, mesh: TetMesh, report: &mut Report, exec: &Exec) -
     report.count("vertices", mesh.vertices.len());
     report.took("read", start);
     Ok(mesh)
+}
+
+/// Where the frames of a part are singular.
+fn singularities(part: &Part, mesh: &TetMesh, fields: &Fields) -> Singularities {
+    let line_field = matches!(&part.direction, Some(DirectionInput::Strokes(_, params)) if params.line_field);
+    FrameField::new(mesh, fields, part.kind.given()).singularities(mesh, line_field)
+}
+
+/// The look that the outside keeps.
+fn look(part: &Part, surface: TriMesh, wear: &Wear, notes: &[String]) -> Result<Arc<Look>, PartError> {
+    Look::new(surface, wear).map(Arc::new).map_err(|source| PartError::Look {
+        path: part.mesh.clone(),
+        notes: notes.iter().map(|note| format!(" ({note})")).collect(),
+        source,
+    })
 }
 
 /// What made a model, for the record: every setting, but no path.
@@ -355,6 +509,8 @@ fn settings(part: &Part, seed: u64) -> serde_json::Value {
         "type": part.kind,
         "seed": seed,
         "mesh": part.tets,
+        "refine_singular": part.refine_singular,
+        "keep_look": part.keep_look,
         "depth": painted(&part.depth),
         "direction": direction,
         "scale": part.scale.as_ref().map(|s| json!({ "everywhere": s.everywhere, "at": s.at })),
@@ -366,36 +522,4 @@ fn settings(part: &Part, seed: u64) -> serde_json::Value {
         }
     }
     all
-}
-
-fn fields(part: &Part, mesh: &TetMesh, report: &mut Report, exec: &Exec) -> Result<Fields, PartError> {
-    let mut painted = |field: &'static str, input: &Option<DepthInput>| {
-        let Some(input) = input else { return Ok(None) };
-        let made = field::depth_field(mesh, &input.paint, &input.params, exec)
-            .map_err(|source| PartError::Depth { field, source })?;
-        report.section(&format!("{field}_field"), &made.report);
-        Ok::<_, PartError>(Some(made))
-    };
-    let depth = painted("depth", &part.depth)?;
-    let along = painted("along", &part.along)?;
-    let across = painted("across", &part.across)?;
-    let direction = match &part.direction {
-        Some(DirectionInput::Constant(v)) => {
-            let unit = v.try_normalize().ok_or(PartError::NoDirection)?;
-            Some(vec![unit; mesh.vertices.len()])
-        }
-        Some(DirectionInput::Strokes(strokes, params)) => Some(
-            field::direction_field(mesh, strokes, depth.as_ref(), params, exec)
-                .map_err(PartError::Direction)?,
-        ),
-        None => None,
-    };
-    let scale = match &part.scale {
-        Some(input) => {
-            Some(field::scale_field(mesh, input.everywhere, &input.at, exec).map_err(PartError::Scale)?)
-        }
-        None => None,
-    };
-    let [depth, along, across] = [depth, along, across].map(|f| f.map(|f| f.values));
-    Ok(Fields { depth, direction, scale, along, across })
 }

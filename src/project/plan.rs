@@ -4,12 +4,15 @@ use std::path::Path;
 
 use super::check::{self, Names};
 use super::file::{ExportEntry, PictureEntry, ProjectFile};
+use super::painted::Tables;
 use super::part::Part;
 use super::problem::{ProjectError, ProjectProblem};
 use super::unknown::complaint;
 use crate::cut::{CutParams, CutSurface};
 use crate::files::read_whole;
+use crate::lap::LappedSolid;
 use crate::mesh::TetParams;
+use crate::paint::View;
 use crate::view::Stroke;
 
 /// Which model: the whole one or what a cut left of it.
@@ -47,10 +50,28 @@ pub struct Cut {
 /// Along what a project cuts.
 #[derive(Debug, Clone)]
 pub enum Along {
-    /// A plane, or a stroke under a camera.
+    /// A plane.
     Surface(CutSurface),
-    /// A stroke under the camera that frames what is cut.
-    Framed(Stroke),
+    /// A stroke over a picture.
+    Drawn {
+        /// The stroke.
+        stroke: Stroke,
+        /// Whence the picture was taken; by default it frames what is cut.
+        view: View,
+    },
+}
+
+impl Along {
+    /// What is cut along, given what is cut.
+    #[must_use]
+    pub fn surface(&self, solid: &LappedSolid) -> CutSurface {
+        match self {
+            Self::Surface(surface) => surface.clone(),
+            Self::Drawn { stroke, view } => {
+                CutSurface::Stroke { stroke: stroke.clone(), camera: view.camera_on(solid) }
+            }
+        }
+    }
 }
 
 /// One picture of a project.
@@ -106,20 +127,6 @@ impl Project {
             Some(name) => check::checked_name("name", name)?,
             None => check::checked_name("name", name.to_owned())?,
         };
-        let part = Part {
-            mesh: folder.join(file.mesh.file),
-            tets: TetParams { tets: file.mesh.tets, keep_surface: file.mesh.keep_surface },
-            volume: folder.join(file.texture.volume),
-            kind: file.texture.kind,
-            depth: file.depth.map(|t| check::depth("depth", t)).transpose()?,
-            direction: file.direction.map(check::direction).transpose()?,
-            scale: file.scale.map(check::scale).transpose()?,
-            along: file.along.map(|t| check::depth("along", t)).transpose()?,
-            across: file.across.map(|t| check::depth("across", t)).transpose()?,
-            fill: file.fill,
-        };
-        part.check()?;
-        check::settings(&part.fill, &file.export)?;
         let mut names = Names::default();
         let mut cuts = Vec::new();
         for entry in file.cut {
@@ -127,13 +134,49 @@ impl Project {
             names.add(&cut.name)?;
             cuts.push(cut);
         }
+        let tables = Tables { folder, names: &names };
+        let part = Part {
+            mesh: folder.join(file.mesh.file),
+            tets: TetParams { tets: file.mesh.tets, keep_surface: file.mesh.keep_surface },
+            keep_look: file.mesh.keep_look,
+            refine_singular: file.mesh.refine_singular,
+            volume: folder.join(file.texture.volume),
+            kind: file.texture.kind,
+            depth: file.depth.map(|t| tables.depth("depth", t)).transpose()?,
+            direction: file.direction.map(|t| tables.direction(t)).transpose()?,
+            scale: file.scale.map(|t| tables.scale(t)).transpose()?,
+            along: file.along.map(|t| tables.depth("along", t)).transpose()?,
+            across: file.across.map(|t| tables.depth("across", t)).transpose()?,
+            cuts: cuts.clone(),
+            fill: file.fill,
+        };
+        part.check()?;
+        check::settings(&part.fill, &file.export)?;
         let entries = file.picture.unwrap_or_else(|| check::usual_pictures(&name, &cuts));
         let pictures: Vec<Picture> =
             entries.into_iter().map(|entry| check::picture(entry, &names)).collect::<Result<_, _>>()?;
+        for Picture { entry, .. } in &pictures {
+            entry.render.show.check(part.kind).map_err(|source| ProjectProblem::Render {
+                key: format!("picture '{}': render.show", entry.name),
+                source,
+            })?;
+        }
         if let Some(name) = check::repeated(pictures.iter().map(|p| p.entry.name.as_str())) {
             return Err(ProjectProblem::Twice { kind: "picture", name: name.to_owned() });
         }
         Ok(Self { name, seed: file.seed, part, cuts, pictures, export: file.export })
+    }
+
+    /// The model that `word` names: `whole`, `CUT/N`, or all pieces of `CUT`. `key` is where the word stands.
+    ///
+    /// # Errors
+    /// [`ProjectProblem::NoModel`].
+    pub fn model(&self, key: &str, word: &str) -> Result<Model, ProjectProblem> {
+        let mut names = Names::default();
+        for cut in &self.cuts {
+            names.add(&cut.name)?;
+        }
+        names.find(key, word)
     }
 
     /// A model's name in the project file: `whole`, `curve/1`, `curve`.

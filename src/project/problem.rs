@@ -47,6 +47,14 @@ pub enum ProjectProblem {
         /// The name.
         name: String,
     },
+    /// A region of the mesh painted twice.
+    #[error("{} and {} both paint the region '{name}'; keep one of them", keys[0], keys[1])]
+    TwoRegions {
+        /// The tables.
+        keys: [String; 2],
+        /// The region.
+        name: String,
+    },
     /// A model that nobody makes.
     #[error("{key} names '{name}', which is neither 'whole' nor {known}")]
     NoModel {

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::colour::LinearRgba;
 use crate::lap::LappedSolid;
-use crate::mesh::{FaceOrigin, TET_FACES, index};
+use crate::mesh::{BoundaryFace, FaceOrigin, TET_FACES, index};
 
 /// Faces that meet at a smaller angle than this, in degrees, share a smooth normal.
 pub const CREASE_DEG: f64 = 40.0;
@@ -137,16 +137,42 @@ impl<'a> Surface<'a> {
         kind(self.origin(f)) == kind(self.origin(g))
     }
 
-    /// Colour at barycentric coordinates of face `f`: the colour of its tetrahedron there.
+    /// Colour at barycentric coordinates of face `f`: the colour of its tetrahedron there. On the input surface
+    /// of a solid that keeps its mesh's own look, that look lies over it.
     #[must_use]
     pub fn colour(&self, f: usize, barycentric: [f32; 3]) -> LinearRgba {
         let face = self.solid.mesh.boundary[f];
+        let look = match (&self.solid.look, face.origin) {
+            (Some(look), FaceOrigin::Input(triangle)) => {
+                let [a, b, c] = self.corners(f);
+                // From differences, so that the point stays in the face's plane.
+                let p = a + (b - a) * f64::from(barycentric[1]) + (c - a) * f64::from(barycentric[2]);
+                look.colour(p, triangle, self.flat[f])
+            }
+            _ => [0.0; 4],
+        };
+        if look[3] >= 1.0 { look } else { over(look, self.filling(face, barycentric)) }
+    }
+
+    /// The colour of a face's tetrahedron at barycentric coordinates of the face.
+    fn filling(&self, face: BoundaryFace, barycentric: [f32; 3]) -> LinearRgba {
         let mut in_tet = [0.0; 4];
         for (k, b) in TET_FACES[face.face as usize].into_iter().zip(barycentric) {
             in_tet[k] = b;
         }
         self.solid.colour(face.tet as usize, in_tet)
     }
+}
+
+/// One colour over another.
+fn over(top: LinearRgba, below: LinearRgba) -> LinearRgba {
+    if top[3] <= 0.0 {
+        return below;
+    }
+    let rest = below[3] * (1.0 - top[3]);
+    let alpha = top[3] + rest;
+    let channel = |n: usize| (top[n] * top[3] + below[n] * rest) / alpha;
+    [channel(0), channel(1), channel(2), alpha]
 }
 
 fn kind(origin: FaceOrigin) -> Option<u32> {
@@ -262,6 +288,42 @@ mod tests {
             for n in 0..4 {
                 assert!((found[n] - expected[n]).abs() < 1e-4);
             }
+        }
+    }
+
+    #[test]
+    fn a_look_lies_over_the_outside_only() {
+        use std::sync::Arc;
+
+        use crate::lap::Look;
+        use crate::mesh::{Wear, index};
+
+        let mut half = testing::half_ball(4);
+        let plain = half.clone();
+        // The look's surface is the boundary itself; half of its triangles are clear.
+        let triangles: Vec<[u32; 3]> =
+            half.mesh.boundary.iter().map(|f| half.mesh.face_vertices(f)).collect();
+        let colour = |t: usize| [200, 0, 0, [255, 0, 51][t % 3]];
+        let wear =
+            Wear { colours: (0..triangles.len()).map(|t| [colour(t); 3]).collect(), ..Wear::default() };
+        let outer = crate::mesh::TriMesh { vertices: half.mesh.vertices.clone(), triangles };
+        for (f, face) in half.mesh.boundary.iter_mut().enumerate() {
+            if let FaceOrigin::Input(t) = &mut face.origin {
+                *t = index(f);
+            }
+        }
+        half.look = Some(Arc::new(Look::new(outer, &wear).unwrap()));
+        let (with, without) = (Surface::new(&half), Surface::new(&plain));
+        let red = crate::colour::linear_from_srgb(200);
+        for f in 0..with.faces.len() {
+            let at = [0.5, 0.25, 0.25];
+            let (found, below) = (with.colour(f, at), without.colour(f, at));
+            let expected = match (with.origin(f), f % 3) {
+                (FaceOrigin::Cut(_), _) | (_, 1) => below,
+                (_, 0) => [red, 0.0, 0.0, 1.0],
+                _ => [0.2 * red + 0.8 * below[0], 0.8 * below[1], 0.8 * below[2], 1.0],
+            };
+            assert!((0..4).all(|n| (found[n] - expected[n]).abs() < 1e-5), "{f}: {found:?} {expected:?}");
         }
     }
 }

@@ -55,6 +55,7 @@ fn lapped(mesh: TetMesh, texture: SolidTexture) -> LappedSolid {
         patches: vec![Patch { exemplar: 0, mask: 0 }],
         exemplars: vec![Arc::new(texture)],
         masks: vec![Arc::new(AlphaMask::new([1; 3], vec![255]).unwrap())],
+        look: None,
         tet_origin: (0..count as u32).collect(),
         cuts: 1,
         settings: serde_json::Value::Null,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::{DVec2, DVec3};
 use toml::{Table, Value};
 
-use super::{Camera, CameraError, Stroke, StrokeError};
+use super::{Camera, CameraError, Drawing, Stroke, StrokeError, SvgFault};
 use crate::files::read_whole;
 
 const FILE_KEYS: [&str; 3] = ["points", "closed", "camera"];
@@ -70,25 +70,52 @@ pub enum ViewFileProblem {
     /// The camera cannot see.
     #[error(transparent)]
     Camera(#[from] CameraError),
+    /// An id for a file that has none.
+    #[error("an id names a line of an SVG drawing, and this file is none: its name does not end in .svg")]
+    NoDrawing,
+    /// The drawing cannot be used.
+    #[error(transparent)]
+    Svg(#[from] SvgFault),
 }
 
-/// A stroke file: `points = [[x, y], …]` in fractions of the picture, `closed = true` for a closed one, and
-/// the `[camera]` on whose screen it was drawn.
+/// A stroke file: TOML with `points = [[x, y], …]` in fractions of the picture, `closed = true` for a closed one,
+/// and the `[camera]` on whose screen it was drawn; or an SVG drawing with one line over the picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StrokeFile {
     /// The stroke, checked and cleaned.
     pub stroke: Stroke,
     /// The camera; without one, the camera that frames the model is meant.
     pub camera: Option<Camera>,
+    /// The picture's width over its height, where the file says it and has no camera: that of a drawing.
+    pub aspect: Option<f64>,
+}
+
+/// Whether a file's name says that it is a drawing.
+#[must_use]
+pub fn is_svg(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("svg"))
 }
 
 impl StrokeFile {
-    /// Reads a stroke file.
+    /// Reads a stroke file: SVG by its ending, else TOML. `id` names the line of a drawing that has several.
     ///
     /// # Errors
     /// [`ViewFileError`] names the file and what is wrong in it: the line, the key or the point.
-    pub fn read(path: &Path) -> Result<Self, ViewFileError> {
-        read_text(path).and_then(|t| Self::from_toml(&t)).map_err(|problem| at(path, problem))
+    pub fn read(path: &Path, id: Option<&str>) -> Result<Self, ViewFileError> {
+        let read = || {
+            let text = read_text(path)?;
+            if !is_svg(path) {
+                return match id {
+                    None => Self::from_toml(&text),
+                    Some(_) => Err(ViewFileProblem::NoDrawing),
+                };
+            }
+            let drawing = Drawing::from_svg(&text)?;
+            let line = drawing.one(id)?;
+            let stroke = Stroke::new(line.points.clone(), line.closed)?;
+            Ok(Self { stroke, camera: None, aspect: Some(drawing.aspect) })
+        };
+        read().map_err(|problem| at(path, problem))
     }
 
     /// Reads the text of a stroke file.
@@ -107,7 +134,8 @@ impl StrokeFile {
         if let Some(closed) = table.get("closed") {
             stroke.closed = closed.as_bool().ok_or_else(|| value("closed", "true or false"))?;
         }
-        Ok(Self { stroke: stroke.cleaned()?, camera: table.get("camera").map(camera).transpose()? })
+        let camera = table.get("camera").map(camera).transpose()?;
+        Ok(Self { stroke: stroke.cleaned()?, camera, aspect: None })
     }
 }
 
@@ -126,7 +154,7 @@ pub fn read_camera(path: &Path) -> Result<Camera, ViewFileError> {
     read().map_err(|problem| at(path, problem))
 }
 
-fn at(path: &Path, problem: ViewFileProblem) -> ViewFileError {
+pub(super) fn at(path: &Path, problem: ViewFileProblem) -> ViewFileError {
     ViewFileError { path: path.to_owned(), problem }
 }
 
@@ -134,7 +162,7 @@ fn value(key: &str, expected: &'static str) -> ViewFileProblem {
     ViewFileProblem::Value { key: key.to_owned(), expected }
 }
 
-fn read_text(path: &Path) -> Result<String, ViewFileProblem> {
+pub(super) fn read_text(path: &Path) -> Result<String, ViewFileProblem> {
     let bytes = read_whole(path)?;
     String::from_utf8(bytes).map_err(|e| ViewFileProblem::NotText(e.utf8_error().valid_up_to()))
 }
@@ -214,7 +242,7 @@ mod tests {
         let path = dir.path().join("stroke.toml");
         std::fs::write(&path, WHOLE).unwrap();
         assert_eq!(read_camera(&path).unwrap(), camera);
-        assert_eq!(StrokeFile::read(&path).unwrap().camera, Some(camera));
+        assert_eq!(StrokeFile::read(&path, None).unwrap().camera, Some(camera));
     }
 
     #[test]
@@ -244,7 +272,7 @@ mod tests {
     #[test]
     fn a_file_that_cannot_be_read_is_named() {
         let dir = tempfile::tempdir().unwrap();
-        let error = StrokeFile::read(dir.path()).unwrap_err();
+        let error = StrokeFile::read(dir.path(), None).unwrap_err();
         assert!(error.to_string().contains(&*dir.path().to_string_lossy()));
         let path = dir.path().join("bytes");
         std::fs::write(&path, [b'a', 0xff]).unwrap();

@@ -104,8 +104,8 @@ pub(crate) fn run(size: usize, threads: usize, save: Option<&Path>) -> Result<Va
     let texture = Arc::new(model::texture()?);
     let mut stages = Stages::default();
 
-    let surface = stages.run("read", || mesh::read(&file))?;
-    let (surface, _) = stages.run("clean", || mesh::clean(&surface))?;
+    let surface = stages.run("read", || mesh::read(&file))?.mesh;
+    let surface = stages.run("clean", || mesh::clean(&surface))?.mesh;
     stages.run("defects", || mesh::defects(&surface, &exec))?;
     let peak_file = folder.path().join("peak");
     let mesher = helper(&peak_file)?;
@@ -227,6 +227,7 @@ fn without_layers(solid: &LappedSolid) -> LappedSolid {
         patches: Vec::new(),
         exemplars: Vec::new(),
         masks: Vec::new(),
+        look: None,
         tet_origin: solid.tet_origin.clone(),
         cuts: solid.cuts,
         settings: Value::Null,

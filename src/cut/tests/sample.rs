@@ -91,6 +91,7 @@ pub fn solid(n: u32, ball: bool, jitter: f64, seed: u64) -> LappedSolid {
         patches: vec![Patch { exemplar: 0, mask: 0 }, Patch { exemplar: 0, mask: 1 }],
         exemplars: vec![Arc::new(texture)],
         masks,
+        look: None,
         tet_origin: (0..count as u32).collect(),
         cuts: 0,
         settings: serde_json::json!({ "made for": "tests" }),

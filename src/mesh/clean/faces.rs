@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::CleanReport;
+use super::{CleanReport, Provenance};
 use crate::mesh::edges::{EdgeUse, Merging, edge_uses};
 use crate::mesh::index;
 
@@ -14,13 +14,13 @@ const ROUNDS: usize = 16;
 pub(super) fn drop_degenerate(
     vertices: &[DVec3],
     triangles: &mut Vec<[u32; 3]>,
+    from: &mut Provenance,
     tolerance: f64,
     report: &mut CleanReport,
 ) {
     for round in 0..=ROUNDS {
-        let before = triangles.len();
-        triangles.retain(|&[a, b, c]| a != b && b != c && c != a);
-        report.degenerate += before - triangles.len();
+        let keep: Vec<bool> = triangles.iter().map(|&[a, b, c]| a != b && b != c && c != a).collect();
+        report.degenerate += retain(triangles, from, &keep);
         let mut thin: Vec<(f64, usize, usize)> = triangles
             .iter()
             .enumerate()
@@ -38,13 +38,23 @@ pub(super) fn drop_degenerate(
         if round == ROUNDS {
             thin.iter().for_each(|&(_, t, _)| gone[t] = true);
         } else {
-            split_beside(triangles, &thin, &mut gone, report);
+            split_beside(vertices, triangles, from, &thin, &mut gone, report);
         }
-        let mut gone = gone.into_iter();
-        let before = triangles.len();
-        triangles.retain(|_| !gone.next().unwrap_or(false));
-        report.degenerate += before - triangles.len();
+        let keep: Vec<bool> = gone.into_iter().map(|gone| !gone).collect();
+        report.degenerate += retain(triangles, from, &keep);
     }
+}
+
+/// Keeps some of the triangles; gives how many went.
+fn retain(triangles: &mut Vec<[u32; 3]>, from: &mut Provenance, keep: &[bool]) -> usize {
+    let before = triangles.len();
+    if keep.iter().all(|&keep| keep) {
+        return 0;
+    }
+    let mut kept = keep.iter();
+    triangles.retain(|_| kept.next().copied().unwrap_or(true));
+    from.retain(keep);
+    before - triangles.len()
 }
 
 /// The length of the longest edge, and the corner that lies on it (that is, opposite), where the triangle is
@@ -64,7 +74,9 @@ fn long_edge_of_thin(p: [DVec3; 3], tolerance: f64) -> Option<(f64, usize)> {
 /// Marks thin triangles as gone, and splits those across their long edge. Where several touch, the later
 /// ones wait for the next round.
 fn split_beside(
+    vertices: &[DVec3],
     triangles: &mut Vec<[u32; 3]>,
+    from: &mut Provenance,
     thin: &[(f64, usize, usize)],
     gone: &mut Vec<bool>,
     report: &mut CleanReport,
@@ -75,8 +87,8 @@ fn split_beside(
         let corners = triangles[t];
         let (apex, u, v) = (corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
         let edge = [u.min(v), u.max(v)];
-        let from = uses.partition_point(|other| other.edge < edge);
-        let across: Vec<usize> = uses[from..]
+        let first = uses.partition_point(|other| other.edge < edge);
+        let across: Vec<usize> = uses[first..]
             .iter()
             .take_while(|other| other.edge == edge)
             .map(|other| other.triangle as usize)
@@ -96,6 +108,10 @@ fn split_beside(
                 gone[other] = true;
                 continue;
             }
+            let [at_a, at_b, at] = [a, b, apex].map(|v| vertices[v as usize]);
+            let edge = at_b - at_a;
+            let along = (at - at_a).dot(edge) / edge.length_squared();
+            from.split(other, far, along.clamp(0.0, 1.0));
             triangles[other] = [a, apex, w];
             triangles.push([apex, b, w]);
             gone.push(false);
@@ -115,7 +131,11 @@ struct Same {
 }
 
 /// Leaves one triangle of those with the same three vertices, or none; see [`super::clean`].
-pub(super) fn drop_duplicates(triangles: &mut Vec<[u32; 3]>, report: &mut CleanReport) {
+pub(super) fn drop_duplicates(
+    triangles: &mut Vec<[u32; 3]>,
+    from: &mut Provenance,
+    report: &mut CleanReport,
+) {
     let mut sorted: Vec<([u32; 3], u32)> = triangles
         .iter()
         .enumerate()
@@ -157,8 +177,8 @@ pub(super) fn drop_duplicates(triangles: &mut Vec<[u32; 3]>, report: &mut CleanR
         report.duplicate -= same.count - 1;
         report.back_to_back += same.count;
     }
-    let mut gone = gone.into_iter();
-    triangles.retain(|_| !gone.next().unwrap_or(false));
+    let keep: Vec<bool> = gone.into_iter().map(|gone| !gone).collect();
+    retain(triangles, from, &keep);
 }
 
 /// Whether each of these stands in a wall that the surface does not need: the edges on which its connected

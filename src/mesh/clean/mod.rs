@@ -2,6 +2,7 @@
 
 mod faces;
 mod orient;
+mod provenance;
 mod report;
 mod weld;
 
@@ -11,6 +12,7 @@ use serde::Serialize;
 use super::exact::DOMAIN;
 use super::tri::bounds;
 use super::{TriMesh, index};
+pub use provenance::Provenance;
 
 /// Vertices nearer than this, times the diagonal of the mesh's box, are one; a triangle lower than that has
 /// no area.
@@ -47,6 +49,17 @@ pub struct CleanReport {
     pub closed_shells: usize,
     /// Closed shells that bound a cavity: they lie inside an odd number of others, and face inwards.
     pub cavities: usize,
+}
+
+/// A cleaned surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cleaned {
+    /// The surface.
+    pub mesh: TriMesh,
+    /// Where its triangles come from.
+    pub from: Provenance,
+    /// What was done.
+    pub report: CleanReport,
 }
 
 /// A mesh that has no solid in it, however it is cleaned.
@@ -117,7 +130,7 @@ pub enum CleanError {
 ///
 /// # Errors
 /// [`CleanError`] where nothing is left that could enclose a solid.
-pub fn clean(mesh: &TriMesh) -> Result<(TriMesh, CleanReport), CleanError> {
+pub fn clean(mesh: &TriMesh) -> Result<Cleaned, CleanError> {
     let mut report = CleanReport {
         vertices_in: mesh.vertices.len(),
         triangles_in: mesh.triangles.len(),
@@ -152,8 +165,9 @@ pub fn clean(mesh: &TriMesh) -> Result<(TriMesh, CleanReport), CleanError> {
     let (same, welded) = weld::weld(&vertices, &used, tolerance);
     report.welded = welded;
     let mut triangles: Vec<[u32; 3]> = mesh.triangles.iter().map(|t| t.map(|v| same[v as usize])).collect();
-    faces::drop_degenerate(&vertices, &mut triangles, tolerance, &mut report);
-    faces::drop_duplicates(&mut triangles, &mut report);
+    let mut from = Provenance::unchanged(index(triangles.len()));
+    faces::drop_degenerate(&vertices, &mut triangles, &mut from, tolerance, &mut report);
+    faces::drop_duplicates(&mut triangles, &mut from, &mut report);
     let mut cleaned = compacted(&vertices, triangles);
     report.triangles = cleaned.triangles.len();
     report.vertices = cleaned.vertices.len();
@@ -165,8 +179,8 @@ pub fn clean(mesh: &TriMesh) -> Result<(TriMesh, CleanReport), CleanError> {
     if flat(&cleaned.vertices, tolerance) {
         return Err(CleanError::Flat);
     }
-    orient::orient(&mut cleaned, &mut report);
-    Ok((cleaned, report))
+    orient::orient(&mut cleaned, &mut from, &mut report);
+    Ok(Cleaned { mesh: cleaned, from, report })
 }
 
 fn used_vertices(mesh: &TriMesh) -> Vec<u32> {

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::CleanReport;
+use super::{CleanReport, Provenance};
 use crate::mesh::boxes::{BoxTree, box_of};
 use crate::mesh::edges::{EdgeUse, edge_uses};
 use crate::mesh::exact::{Above, above};
@@ -19,7 +19,7 @@ struct Shell {
 }
 
 /// Orients every part consistently and closed ones outwards, cavities inwards.
-pub(super) fn orient(mesh: &mut TriMesh, report: &mut CleanReport) {
+pub(super) fn orient(mesh: &mut TriMesh, from: &mut Provenance, report: &mut CleanReport) {
     let uses = edge_uses(&mesh.triangles, 0..mesh.triangles.len());
     let mut turned = vec![false; mesh.triangles.len()];
     let shells = shells(mesh, &uses, &mut turned);
@@ -48,8 +48,9 @@ pub(super) fn orient(mesh: &mut TriMesh, report: &mut CleanReport) {
             shell.triangles.iter().for_each(|&t| turned[t as usize] ^= true);
         }
     }
-    for (corners, _) in mesh.triangles.iter_mut().zip(&turned).filter(|(_, turned)| **turned) {
-        corners.swap(1, 2);
+    for (t, _) in turned.iter().enumerate().filter(|(_, turned)| **turned) {
+        mesh.triangles[t].swap(1, 2);
+        from.turn(t);
         report.flipped += 1;
     }
 }

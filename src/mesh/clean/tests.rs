@@ -4,9 +4,11 @@ use super::*;
 use crate::exec::Exec;
 use crate::mesh::defects;
 use crate::mesh::defects::tests::{cube, join};
+use crate::mesh::{Region, RegionKind, Wear};
 
 fn sound(mesh: &TriMesh) -> (TriMesh, CleanReport) {
-    let (cleaned, report) = clean(mesh).unwrap();
+    let Cleaned { mesh: cleaned, from, report } = clean(mesh).unwrap();
+    come_from(mesh, &cleaned, &from);
     let found = defects(&cleaned, &Exec::default()).unwrap();
     assert!(found.is_empty(), "{found}");
     assert_eq!((cleaned.vertices.len(), cleaned.triangles.len()), (report.vertices, report.triangles));
@@ -16,10 +18,24 @@ fn sound(mesh: &TriMesh) -> (TriMesh, CleanReport) {
         report.triangles + report.degenerate + report.duplicate + report.back_to_back
     );
     // Once is enough.
-    let (again, second) = clean(&cleaned).unwrap();
+    let Cleaned { mesh: again, report: second, .. } = clean(&cleaned).unwrap();
     assert_eq!(again, cleaned);
     assert!(second.is_unchanged(), "{second}");
     (cleaned, report)
+}
+
+/// Every corner lies where its provenance says.
+fn come_from(old: &TriMesh, new: &TriMesh, from: &Provenance) {
+    assert_eq!(from.triangles().len(), new.triangles.len());
+    let (low, high) = new.bounds().unwrap();
+    for t in 0..new.triangles.len() {
+        let corners = old.corners(from.triangles()[t] as usize);
+        for (p, w) in new.corners(t).into_iter().zip(from.weights(t)) {
+            assert!((w.iter().sum::<f64>() - 1.0).abs() < 1e-12 && w.iter().all(|w| (0.0..=1.0).contains(w)));
+            let there = corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2];
+            assert!(p.distance(there) <= 1e-8 * low.distance(high), "triangle {t}: {p} is not at {there}");
+        }
+    }
 }
 
 /// Each triangle with vertices of its own.
@@ -91,7 +107,7 @@ fn back_to_back_triangles_go_or_stay_as_the_surface_needs() {
     // Its wall must be cut along the same diagonal.
     mirrored.triangles.retain(|t| ![[0, 4, 6], [0, 6, 2]].contains(t));
     mirrored.triangles.extend([[0, 4, 2], [4, 6, 2]]);
-    let (cleaned, report) = match clean(&boxes).unwrap().1.back_to_back {
+    let (cleaned, report) = match clean(&boxes).unwrap().report.back_to_back {
         4 => sound(&boxes),
         _ => sound(&join(&[cube(DVec3::ZERO, 1.0), mirrored])),
     };
@@ -145,10 +161,12 @@ fn shells_face_outwards_and_cavities_inwards() {
 #[test]
 fn shells_that_touch_in_a_vertex_are_placed() {
     // The inner box touches the outer one in a corner's vertex: still a cavity.
-    let (cleaned, report) = clean(&join(&[cube(DVec3::ZERO, 4.0), cube(DVec3::ZERO, 1.0)])).unwrap();
+    let Cleaned { mesh: cleaned, report, .. } =
+        clean(&join(&[cube(DVec3::ZERO, 4.0), cube(DVec3::ZERO, 1.0)])).unwrap();
     assert_eq!((report.welded, report.cavities), (1, 1));
     assert!((cleaned.volume() - 63.0).abs() < 1e-12);
-    let (cleaned, report) = clean(&join(&[cube(DVec3::ZERO, 4.0), cube(-DVec3::ONE, 1.0)])).unwrap();
+    let Cleaned { mesh: cleaned, report, .. } =
+        clean(&join(&[cube(DVec3::ZERO, 4.0), cube(-DVec3::ONE, 1.0)])).unwrap();
     assert_eq!((report.welded, report.cavities), (1, 0));
     assert!((cleaned.volume() - 65.0).abs() < 1e-12);
 }
@@ -158,7 +176,7 @@ fn open_and_one_sided_parts_are_left_to_the_majority() {
     let mut mesh = cube(DVec3::ZERO, 1.0);
     mesh.triangles.drain(0..2);
     mesh.triangles.iter_mut().take(8).for_each(|t| t.swap(0, 1));
-    let (cleaned, report) = clean(&mesh).unwrap();
+    let Cleaned { mesh: cleaned, report, .. } = clean(&mesh).unwrap();
     assert_eq!((report.flipped, report.shells, report.closed_shells), (2, 1, 0));
     assert_eq!(defects(&cleaned, &Exec::default()).unwrap().inconsistent_edges.count, 0);
     // A Möbius strip of nine points.
@@ -175,7 +193,7 @@ fn open_and_one_sided_parts_are_left_to_the_majority() {
             [[a, c, b], [b, c, d]]
         })
         .collect();
-    let (cleaned, report) = clean(&TriMesh { vertices, triangles }).unwrap();
+    let Cleaned { mesh: cleaned, report, .. } = clean(&TriMesh { vertices, triangles }).unwrap();
     assert_eq!((report.shells, report.closed_shells), (1, 0));
     assert!(defects(&cleaned, &Exec::default()).unwrap().inconsistent_edges.count > 0);
 }
@@ -217,4 +235,60 @@ fn tiny_and_huge_sizes_work_alike() {
         let (cleaned, report) = sound(&soup(&cube(DVec3::splat(0.1 * size), size)));
         assert_eq!((cleaned.vertices.len(), report.closed_shells), (8, 1));
     }
+}
+
+#[test]
+fn what_a_mesh_wears_follows_its_triangles() {
+    // A soup with a triangle without area (so that one is split), a duplicate and a triangle turned over.
+    let mut mesh = cube(DVec3::ZERO, 1.0);
+    mesh.vertices.push(dvec3(0.4, 0.0, 0.0));
+    let at = mesh.triangles.iter().position(|t| *t == [0, 1, 5]).unwrap();
+    mesh.triangles[at] = [0, 8, 5];
+    mesh.triangles.extend([[8, 1, 5], [0, 1, 8], [0, 8, 5]]);
+    let turned = (at + 3) % 12;
+    mesh.triangles[turned].swap(0, 1);
+    let mesh = soup(&mesh);
+    // Texture coordinates and colours that are linear in space, so that each corner's can be told by its place.
+    let uv = |p: DVec3| [(p.x + 2.0 * p.y) as f32, (p.z - p.x) as f32];
+    let count = mesh.triangles.len();
+    let wear = Wear {
+        regions: vec![
+            Region {
+                name: "even".into(),
+                kind: RegionKind::Group,
+                triangles: (0..count as u32).step_by(2).collect(),
+            },
+            Region { name: "gone".into(), kind: RegionKind::Group, triangles: vec![count as u32 - 1] },
+        ],
+        uv: (0..count).map(|t| mesh.corners(t).map(uv)).collect(),
+        colours: (0..count)
+            .map(|t| mesh.corners(t).map(|p| [(200.0 * p.x) as u8, (200.0 * p.y) as u8, 0, 255]))
+            .collect(),
+        material: (0..count as u32).collect(),
+        ..Wear::default()
+    };
+    let Cleaned { mesh: cleaned, from, report } = clean(&mesh).unwrap();
+    assert!(report.split == 1 && report.degenerate == 1 && report.duplicate == 1 && report.flipped > 0);
+    assert!(report.welded > 20, "{report}");
+    let worn = wear.carried_over(&from);
+    assert_eq!(worn.material, from.triangles());
+    for t in 0..cleaned.triangles.len() {
+        for (k, p) in cleaned.corners(t).into_iter().enumerate() {
+            let expected = uv(p);
+            assert!(
+                (0..2).all(|n| (worn.uv[t][k][n] - expected[n]).abs() < 1e-6),
+                "triangle {t}, corner {k}"
+            );
+            // The split edge is between two corners of a colour each, mixed in linear light.
+            if p.x != 0.4 {
+                assert_eq!(worn.colours[t][k][..2], [(200.0 * p.x) as u8, (200.0 * p.y) as u8]);
+            }
+        }
+        let even = worn.region("even").unwrap().contains(&(t as u32));
+        assert_eq!(even, from.triangles()[t] % 2 == 0);
+    }
+    // Both halves of the split triangle belong to what it belonged to.
+    let halves: Vec<u32> = from.triangles().to_vec();
+    assert!((0..count as u32).any(|old| halves.iter().filter(|&&h| h == old).count() == 2));
+    assert_eq!(worn.region("gone"), Ok(&[][..]));
 }

@@ -2,19 +2,23 @@
 
 mod accessors;
 mod buffers;
+mod materials;
 
 use std::borrow::Cow;
 use std::path::Path;
 
 use ::gltf::mesh::Mode;
 use ::gltf::scene::Transform;
-use ::gltf::{Document, Node, json};
+use ::gltf::{Document, Node, Semantic};
 use glam::{DMat4, DQuat, DVec3};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::polygons::base;
-use super::{MAX_MESH_ELEMENTS, MeshFault, Place, TriMesh};
-use accessors::{indices, positions};
+use super::regions::Regions;
+use super::{MAX_MESH_ELEMENTS, MeshFault, MeshFile, Place, TriMesh, note};
+use crate::mesh::{NONE, RegionKind, Wear};
+use accessors::{colours, coordinates, indices, positions};
+use materials::{Dress, Materials};
 
 /// Required extensions that do not change where the vertices are, or that are read here.
 const HARMLESS: [&str; 8] = [
@@ -30,12 +34,21 @@ const HARMLESS: [&str; 8] = [
 
 /// All triangles of the default scene (or the first; or, without scenes, of all root nodes), in the scene's
 /// coordinates. Skins, morph targets and animations are passed over: the mesh is taken in its bind pose.
-pub(super) fn read(bytes: &[u8], folder: &Path) -> Result<TriMesh, MeshFault> {
+pub(super) fn read(bytes: &[u8], folder: &Path) -> Result<MeshFile, MeshFault> {
     let (text, blob) = if bytes.starts_with(b"glTF") { split(bytes)? } else { (bytes, None) };
-    let document = document(text)?;
+    // The message has line and column.
+    let root: Value = serde_json::from_slice(text).map_err(|e| invalid(&e))?;
+    refuse_extensions(&root, blob.is_some())?;
+    let primitives = primitives(&root);
+    let document = document(root.clone())?;
     let buffers = buffers::load(&document, blob, folder)?;
-    let mut mesh = TriMesh::default();
+    let mut scene = Scene::new(Materials::new(&root, &buffers, folder));
     let mut seen = vec![false; document.nodes().len()];
+    // Meshes that several nodes show are one group each; every node is an object.
+    let mut objects = Regions::new(RegionKind::Object, []);
+    let names = document.meshes().map(|mesh| mesh_name(&mesh));
+    let mut groups = Regions::new(RegionKind::Group, names);
+    let mut parts: Vec<Vec<usize>> = vec![Vec::new(); document.meshes().len()];
     let mut stack: Vec<(Node<'_>, DMat4)> =
         roots(&document)?.into_iter().rev().map(|node| (node, DMat4::IDENTITY)).collect();
     while let Some((node, scene_from_parent)) = stack.pop() {
@@ -45,16 +58,63 @@ pub(super) fn read(bytes: &[u8], folder: &Path) -> Result<TriMesh, MeshFault> {
         }
         let scene_from_node = scene_from_parent * parent_from_node(&node);
         if let Some(from) = node.mesh() {
-            for primitive in from.primitives() {
-                let place =
-                    || Place::Part(format!("primitive {} of mesh {}", primitive.index(), from.index()));
-                join(&mut mesh, &primitive, scene_from_node, &buffers, &place)?;
+            let before = scene.mesh.triangles.len();
+            let listed = &primitives[from.index()];
+            let parts = &mut parts[from.index()];
+            if parts.is_empty() && listed.len() > 1 {
+                let name = mesh_name(&from);
+                parts.extend(listed.iter().map(|p| groups.begin(format!("{name}/{}", p.index))));
             }
+            for (n, (primitive, listed)) in from.primitives().zip(listed).enumerate() {
+                let place = || Place::Part(format!("primitive {} of mesh {}", listed.index, from.index()));
+                let start = scene.mesh.triangles.len();
+                scene.join(&primitive, listed.material, scene_from_node, &buffers, &place)?;
+                if let Some(&part) = parts.get(n) {
+                    groups.add(part, start..scene.mesh.triangles.len());
+                }
+            }
+            let whole = before..scene.mesh.triangles.len();
+            groups.add(from.index(), whole.clone());
+            let object = objects.begin(node.name().unwrap_or_default().to_owned());
+            objects.add(object, whole);
         }
         let children: Vec<Node<'_>> = node.children().collect();
         stack.extend(children.into_iter().rev().map(|child| (child, scene_from_node)));
     }
-    Ok(mesh)
+    let mut file = scene.finish();
+    file.wear.regions.splice(0..0, objects.finish().chain(groups.finish()));
+    Ok(file)
+}
+
+fn mesh_name(mesh: &::gltf::Mesh<'_>) -> String {
+    mesh.name()
+        .filter(|name| !name.is_empty())
+        .map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned)
+}
+
+fn invalid(e: &serde_json::Error) -> MeshFault {
+    MeshFault::malformed(Place::Whole, format!("the glTF JSON: {e}"))
+}
+
+/// What is known of a primitive that is read.
+struct Listed {
+    /// Its number in the file.
+    index: usize,
+    material: Option<usize>,
+}
+
+/// The primitives of each mesh that have positions: those that [`document`] keeps.
+fn primitives(root: &Value) -> Vec<Vec<Listed>> {
+    let listed = |(index, primitive): (usize, &Value)| {
+        primitive.pointer("/attributes/POSITION")?;
+        let material = primitive.get("material").and_then(Value::as_u64);
+        Some(Listed { index, material: material.and_then(|m| usize::try_from(m).ok()) })
+    };
+    let of = |mesh: &Value| {
+        let all = mesh.get("primitives").and_then(Value::as_array);
+        all.into_iter().flatten().enumerate().filter_map(listed).collect()
+    };
+    root.get("meshes").and_then(Value::as_array).into_iter().flatten().map(of).collect()
 }
 
 /// The JSON and the binary chunk of a GLB.
@@ -100,11 +160,7 @@ fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), MeshFault> {
 }
 
 /// The JSON, without the parts that are not read: a fault there must not keep a good mesh out.
-fn document(text: &[u8]) -> Result<Document, MeshFault> {
-    // The message has line and column.
-    let invalid = |e: serde_json::Error| MeshFault::malformed(Place::Whole, format!("the glTF JSON: {e}"));
-    let mut root: Value = serde_json::from_slice(text).map_err(invalid)?;
-    refuse_extensions(&root)?;
+fn document(mut root: Value) -> Result<Document, MeshFault> {
     if let Some(root) = root.as_object_mut() {
         const UNREAD: [&str; 10] = [
             "animations",
@@ -149,10 +205,15 @@ fn document(text: &[u8]) -> Result<Document, MeshFault> {
                 primitive.remove(key);
             }
             if let Some(attributes) = primitive.get_mut("attributes").and_then(Value::as_object_mut) {
-                attributes.retain(|name, _| name == "POSITION");
-                // The crate's own validation takes this index on trust.
-                let bad = |i: &&Value| i.as_u64().is_none_or(|i| i >= accessors as u64);
-                missing = missing.take().or_else(|| attributes.values().find(bad).cloned());
+                // The crate's own validation takes these indices on trust.
+                let bad = |i: &Value| i.as_u64().is_none_or(|i| i >= accessors as u64);
+                missing = missing.take().or_else(|| attributes.get("POSITION").filter(|i| bad(i)).cloned());
+                attributes.retain(|name, i| {
+                    name == "POSITION"
+                        || (name == "COLOR_0" || name.starts_with("TEXCOORD_"))
+                            && name.len() == name.trim_end_matches(|c: char| !c.is_ascii_digit()).len()
+                            && !bad(i)
+                });
             }
         }
     });
@@ -160,13 +221,21 @@ fn document(text: &[u8]) -> Result<Document, MeshFault> {
         let what = format!("POSITION names accessor {index}, but there are {accessors}");
         return Err(MeshFault::malformed(Place::Whole, what));
     }
+    let views = root.get("bufferViews").and_then(Value::as_array).is_some_and(|views| !views.is_empty());
     each(&mut root, "accessors", &mut |accessor| {
+        // Zeros by the specification; the crate wants to see some data, and gets no change to those zeros.
+        if views && !accessor.contains_key("bufferView") && !accessor.contains_key("sparse") {
+            let sparse = json!({
+                "count": 0, "indices": {"bufferView": 0, "componentType": 5121}, "values": {"bufferView": 0}
+            });
+            accessor.insert("sparse".to_owned(), sparse);
+        }
         // The bounds are asked for by the specification, but nothing is read from them.
         for key in ["min", "max"] {
             accessor.insert(key.to_owned(), Value::from(vec![0.0; 3]));
         }
     });
-    let root: json::Root = serde_json::from_value(root).map_err(invalid)?;
+    let root: ::gltf::json::Root = serde_json::from_value(root).map_err(|e| invalid(&e))?;
     Document::from_json(root).map_err(|e| {
         let what = match e {
             ::gltf::Error::Validation(faults) => {
@@ -181,24 +250,52 @@ fn document(text: &[u8]) -> Result<Document, MeshFault> {
 }
 
 /// Refuses what would move or hide vertices, by name.
-fn refuse_extensions(root: &Value) -> Result<(), MeshFault> {
-    let named = |key: &str| {
-        let names = root.get(key).and_then(Value::as_array);
-        names.into_iter().flatten().filter_map(Value::as_str)
-    };
-    let unknown = named("extensionsRequired").find(|e| !HARMLESS.iter().any(|known| e.starts_with(known)));
-    // Compressed vertices can stand in for an accessor's data without being declared as required.
-    let accessors = root.get("accessors").and_then(Value::as_array);
-    let without_data =
-        accessors.into_iter().flatten().any(|a| a.get("bufferView").is_none() && a.get("sparse").is_none());
-    let compressed = named("extensionsUsed").find(|e| without_data && e.contains("compression"));
-    match unknown.or(compressed) {
-        None => Ok(()),
-        Some(extension) => Err(MeshFault::Unsupported {
+fn refuse_extensions(root: &Value, binary: bool) -> Result<(), MeshFault> {
+    let refuse = |extension: &str| {
+        Err(MeshFault::Unsupported {
             what: format!("the glTF extension {extension:?}"),
             help: "export the mesh without it (without compression)",
-        }),
+        })
+    };
+    let list = |key: &str| root.get(key).and_then(Value::as_array).into_iter().flatten();
+    let named = |key: &str| list(key).filter_map(Value::as_str);
+    let has_data =
+        |accessor: &Value| accessor.get("bufferView").is_some() || accessor.get("sparse").is_some();
+    if let Some(unknown) =
+        named("extensionsRequired").find(|e| !HARMLESS.iter().any(|known| e.starts_with(known)))
+    {
+        return refuse(unknown);
     }
+    // Compressed vertices can stand in for an accessor's data without being declared as required, or at all.
+    let compressed = |extensions: Option<&Value>| {
+        let names = extensions.and_then(Value::as_object).into_iter().flat_map(serde_json::Map::keys);
+        names.into_iter().find(|name| name.contains("compression")).cloned()
+    };
+    let primitives = list("meshes").filter_map(|mesh| mesh.get("primitives")?.as_array()).flatten();
+    for primitive in primitives {
+        let position = primitive.pointer("/attributes/POSITION").and_then(Value::as_u64);
+        let position = position.and_then(|i| root.get("accessors")?.get(usize::try_from(i).ok()?));
+        if let Some(extension) = compressed(primitive.get("extensions"))
+            && position.is_some_and(|accessor| !has_data(accessor))
+        {
+            return refuse(&extension);
+        }
+    }
+    if let Some(extension) = named("extensionsUsed").find(|e| e.contains("compression"))
+        && !list("accessors").all(has_data)
+    {
+        return refuse(extension);
+    }
+    // The buffer that only a reader of the compression needs no file for.
+    for (i, buffer) in list("buffers").enumerate() {
+        let has_bytes = buffer.get("uri").is_some() || (i == 0 && binary);
+        if let Some(extension) = compressed(buffer.get("extensions"))
+            && !has_bytes
+        {
+            return refuse(&extension);
+        }
+    }
+    Ok(())
 }
 
 fn roots(document: &Document) -> Result<Vec<Node<'_>>, MeshFault> {
@@ -228,62 +325,157 @@ fn parent_from_node(node: &Node<'_>) -> DMat4 {
     }
 }
 
-/// Adds the triangles of one primitive; points and lines have none.
-fn join(
-    mesh: &mut TriMesh,
-    primitive: &::gltf::Primitive<'_>,
-    scene_from_node: DMat4,
-    buffers: &[Cow<'_, [u8]>],
-    place: &dyn Fn() -> Place,
-) -> Result<(), MeshFault> {
-    let mode = primitive.mode();
-    if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
-        return Ok(());
+/// The mesh and what it wears, being joined.
+struct Scene<'a> {
+    mesh: TriMesh,
+    wear: Wear,
+    materials: Materials<'a>,
+    notes: Vec<String>,
+}
+
+impl<'a> Scene<'a> {
+    fn new(materials: Materials<'a>) -> Self {
+        Self { mesh: TriMesh::default(), wear: Wear::default(), materials, notes: Vec::new() }
     }
-    let Some(accessor) = primitive.get(&::gltf::Semantic::Positions) else {
-        return Ok(());
-    };
-    let points = positions(&accessor, buffers)?;
-    let first = base(mesh.vertices.len())?;
-    if mesh.vertices.len() + points.len() > MAX_MESH_ELEMENTS {
-        return Err(MeshFault::TooLarge("vertices"));
-    }
-    for p in &points {
-        let p = scene_from_node.transform_point3(*p);
-        if !p.is_finite() {
-            let vertex = mesh.vertices.len() - first as usize;
-            return Err(MeshFault::NotFinite { place: place(), vertex, first: 0 });
+
+    /// Adds the triangles of one primitive; points and lines have none.
+    fn join(
+        &mut self,
+        primitive: &::gltf::Primitive<'_>,
+        material: Option<usize>,
+        scene_from_node: DMat4,
+        buffers: &[Cow<'_, [u8]>],
+        place: &dyn Fn() -> Place,
+    ) -> Result<(), MeshFault> {
+        let mode = primitive.mode();
+        if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+            return Ok(());
         }
-        mesh.vertices.push(p);
+        let Some(accessor) = primitive.get(&Semantic::Positions) else {
+            return Ok(());
+        };
+        let points = positions(&accessor, buffers)?;
+        let mesh = &mut self.mesh;
+        let first = base(mesh.vertices.len())?;
+        if mesh.vertices.len() + points.len() > MAX_MESH_ELEMENTS {
+            return Err(MeshFault::TooLarge("vertices"));
+        }
+        for p in &points {
+            let p = scene_from_node.transform_point3(*p);
+            if !p.is_finite() {
+                let vertex = mesh.vertices.len() - first as usize;
+                return Err(MeshFault::NotFinite { place: place(), vertex, first: 0 });
+            }
+            mesh.vertices.push(p);
+        }
+        let corners = match primitive.indices() {
+            Some(accessor) => indices(&accessor, buffers)?,
+            None => (0..points.len() as u32).collect(),
+        };
+        if let Some(at) = corners.iter().position(|&c| c as usize >= points.len()) {
+            let face = if mode == Mode::Triangles { at / 3 } else { at.saturating_sub(2) };
+            let (index, count) = (i64::from(corners[at]), points.len());
+            return Err(MeshFault::Index { place: place(), face, index, first: 0, count });
+        }
+        let triangles = triangles(mode, &corners);
+        if mesh.triangles.len() + triangles.len() > MAX_MESH_ELEMENTS {
+            return Err(MeshFault::TooLarge("triangles"));
+        }
+        // A mirror turns every triangle over.
+        let mirrored = scene_from_node.determinant() < 0.0;
+        let turned = |[a, b, c]: [u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
+        let triangles: Vec<[u32; 3]> = triangles.into_iter().map(turned).collect();
+        let start = mesh.triangles.len();
+        mesh.triangles.extend(triangles.iter().map(|t| t.map(|v| first + v)));
+        let dress = self.materials.dress(material, start..mesh.triangles.len(), &mut self.notes);
+        self.put_on(primitive, &triangles, points.len(), &dress, buffers, place);
+        Ok(())
     }
-    let corners = match primitive.indices() {
-        Some(accessor) => indices(&accessor, buffers)?,
-        None => (0..points.len() as u32).collect(),
-    };
-    if let Some(at) = corners.iter().position(|&c| c as usize >= points.len()) {
-        let face = if mode == Mode::Triangles { at / 3 } else { at.saturating_sub(2) };
-        let (index, count) = (i64::from(corners[at]), points.len());
-        return Err(MeshFault::Index { place: place(), face, index, first: 0, count });
-    }
-    // A mirror turns every triangle over.
-    let mirrored = scene_from_node.determinant() < 0.0;
-    let mut add = |[a, b, c]: [u32; 3]| {
-        let [a, b, c] = if mirrored { [a, c, b] } else { [a, b, c] };
-        mesh.triangles.push([first + a, first + b, first + c]);
-    };
-    match mode {
-        Mode::TriangleStrip => {
-            for (i, w) in corners.windows(3).enumerate() {
-                add(if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] });
+
+    /// What the newest triangles wear; `triangles` are they, by the primitive's own vertices.
+    fn put_on(
+        &mut self,
+        primitive: &::gltf::Primitive<'_>,
+        triangles: &[[u32; 3]],
+        vertices: usize,
+        dress: &Dress,
+        buffers: &[Cow<'_, [u8]>],
+        place: &dyn Fn() -> Place,
+    ) {
+        let start = self.mesh.triangles.len() - triangles.len();
+        let wear = &mut self.wear;
+        if dress.material != NONE {
+            wear.material.resize(start, NONE);
+            wear.material.resize(self.mesh.triangles.len(), dress.material);
+        }
+        let notes = &mut self.notes;
+        let passed_over = |what: &str, why: &str| format!("{}its {what} are passed over: {why}", place());
+        if let Some(accessor) = primitive.get(&Semantic::TexCoords(dress.coordinates)) {
+            match of_each(coordinates(&accessor, buffers), vertices) {
+                Err(why) => note(notes, passed_over("texture coordinates", &why)),
+                Ok(found) => {
+                    let found: Vec<[f32; 2]> = found.into_iter().map(|at| dress.place(at)).collect();
+                    if dress.clamped && found.iter().flatten().any(|x| !(0.0..=1.0).contains(x)) {
+                        note(notes, format!("{}its picture is repeated, not clamped or mirrored", place()));
+                    }
+                    wear.uv.resize(start, [[0.0; 2]; 3]);
+                    wear.uv.extend(triangles.iter().map(|t| t.map(|v| found[v as usize])));
+                }
+            }
+        } else if dress.has_picture {
+            let what = format!("{}it has no texture coordinates for its picture", place());
+            note(notes, what);
+        }
+        if let Some(accessor) = primitive.get(&Semantic::Colors(0)) {
+            match of_each(colours(&accessor, buffers), vertices) {
+                Err(why) => note(notes, passed_over("colours", &why)),
+                Ok(found) => {
+                    let at = |v: u32| {
+                        let [r, g, b, a] = found[v as usize];
+                        [r, g, b, dress.alpha.of(a)]
+                    };
+                    wear.colours.resize(start, [[255; 4]; 3]);
+                    wear.colours.extend(triangles.iter().map(|t| t.map(at)));
+                }
             }
         }
-        Mode::TriangleFan => corners.windows(2).skip(1).for_each(|w| add([w[0], w[1], corners[0]])),
-        _ => corners.chunks_exact(3).for_each(|w| add([w[0], w[1], w[2]])),
     }
-    if mesh.triangles.len() > MAX_MESH_ELEMENTS {
-        return Err(MeshFault::TooLarge("triangles"));
+
+    fn finish(mut self) -> MeshFile {
+        let count = self.mesh.triangles.len();
+        let wear = &mut self.wear;
+        if !wear.uv.is_empty() {
+            wear.uv.resize(count, [[0.0; 2]; 3]);
+        }
+        if !wear.colours.is_empty() {
+            wear.colours.resize(count, [[255; 4]; 3]);
+        }
+        if !wear.material.is_empty() {
+            wear.material.resize(count, NONE);
+        }
+        self.materials.finish(wear);
+        MeshFile { mesh: self.mesh, wear: self.wear, notes: self.notes }
     }
-    Ok(())
+}
+
+/// The values of an accessor that has one for each vertex; else, why they cannot be taken.
+fn of_each<T>(found: Result<Vec<T>, MeshFault>, vertices: usize) -> Result<Vec<T>, String> {
+    let found = found.map_err(|fault| fault.to_string())?;
+    let count = found.len();
+    if count < vertices { Err(format!("{count} for {vertices} vertices")) } else { Ok(found) }
+}
+
+/// The triangles of a list, strip or fan.
+fn triangles(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
+    match mode {
+        Mode::TriangleStrip => corners
+            .windows(3)
+            .enumerate()
+            .map(|(i, w)| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] })
+            .collect(),
+        Mode::TriangleFan => corners.windows(2).skip(1).map(|w| [w[0], w[1], corners[0]]).collect(),
+        _ => corners.as_chunks().0.to_vec(),
+    }
 }
 
 #[cfg(test)]

@@ -4,20 +4,24 @@
 //! them), name the line, byte or face of a fault, and believe no size before they have compared it with the
 //! file's real length.
 
+mod corners;
 mod fault;
 mod gltf;
+mod mtl;
 mod obj;
 mod off;
+mod pictures;
 mod ply;
 mod polygons;
+mod regions;
 mod stl;
 mod text;
 #[cfg(test)]
 mod torture;
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
-use super::TriMesh;
+use super::{TriMesh, Wear};
 use crate::files;
 pub use fault::{MeshFault, Place};
 
@@ -37,16 +41,28 @@ pub struct MeshReadError {
     pub fault: MeshFault,
 }
 
-/// Reads a triangle mesh from an OBJ, STL, PLY, OFF, GLB or glTF file, by its extension (in any case).
+/// What a mesh file holds.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MeshFile {
+    /// The surface.
+    pub mesh: TriMesh,
+    /// What it wears.
+    pub wear: Wear,
+    /// What a person should be told of what it wears: a picture that is missing, a name without meaning.
+    pub notes: Vec<String>,
+}
+
+/// Reads a triangle mesh, and what it wears, from an OBJ, STL, PLY, OFF, GLB or glTF file, by its extension
+/// (in any case).
 ///
-/// Polygons are triangulated; everything else that a mesh wears (normals, texture coordinates, colours,
-/// materials) is passed over. glTF node transforms are applied and all triangle primitives of the scene are
-/// joined. Vertices come in the file's order; nothing is welded or dropped: [`super::clean`] does that.
+/// Polygons are triangulated; normals are passed over. glTF node transforms are applied and all triangle
+/// primitives of the scene are joined. Materials (MTL) and pictures (PNG, JPEG) are read where they lie beside
+/// the file or below its folder; one that cannot be had is no error, but a note says so. Vertices come in the file's order; nothing is welded or dropped: [`super::clean`] does that.
 /// A face of the result names vertices that exist, and every coordinate is finite.
 ///
 /// # Errors
 /// [`MeshReadError`] names the file; its [`MeshFault`] says what is wrong and where.
-pub fn read(path: &Path) -> Result<TriMesh, MeshReadError> {
+pub fn read(path: &Path) -> Result<MeshFile, MeshReadError> {
     let fail = |fault| MeshReadError { path: path.to_path_buf(), fault };
     let extension = path.extension().map_or_else(String::new, |e| e.to_string_lossy().to_ascii_lowercase());
     if !MESH_EXTENSIONS.contains(&extension.as_str()) {
@@ -57,23 +73,46 @@ pub fn read(path: &Path) -> Result<TriMesh, MeshReadError> {
     read_bytes(&bytes, &extension, folder).map_err(fail)
 }
 
-/// Reads a mesh of the format with this extension; `folder` is where a glTF file's own files are.
-fn read_bytes(bytes: &[u8], extension: &str, folder: &Path) -> Result<TriMesh, MeshFault> {
+/// Reads a mesh of the format with this extension; `folder` is where the file's own files are.
+fn read_bytes(bytes: &[u8], extension: &str, folder: &Path) -> Result<MeshFile, MeshFault> {
     if bytes.is_empty() {
         return Err(MeshFault::Empty);
     }
-    let mesh = match extension {
-        "obj" => obj::read(bytes),
-        "stl" => stl::read(bytes),
-        "ply" => ply::read(bytes),
+    let file = match extension {
+        "obj" => obj::read(bytes, folder),
+        "stl" => stl::read(bytes).map(|mesh| MeshFile { mesh, ..MeshFile::default() }),
+        "ply" => ply::read(bytes, folder),
         "off" => off::read(bytes),
         "glb" | "gltf" => gltf::read(bytes, folder),
         _ => return Err(MeshFault::Extension(extension.to_owned())),
     }?;
-    if mesh.triangles.is_empty() {
-        return Err(MeshFault::NoFaces { vertices: mesh.vertices.len() });
+    if file.mesh.triangles.is_empty() {
+        return Err(MeshFault::NoFaces { vertices: file.mesh.vertices.len() });
     }
-    Ok(mesh)
+    Ok(file)
+}
+
+/// The path below a folder that a file's name in another file means; `None` where it leads elsewhere: a mesh
+/// file must not read what does not lie beside it.
+fn below(folder: &Path, name: &str) -> Option<PathBuf> {
+    let path = Path::new(name);
+    let inside = path.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+    (inside && !name.contains("://")).then(|| folder.join(path))
+}
+
+/// The most notes that one file gives.
+const MAX_NOTES: usize = 20;
+
+/// Adds a note, once, unless there are too many.
+fn note(notes: &mut Vec<String>, what: String) {
+    if notes.len() < MAX_NOTES && !notes.contains(&what) {
+        notes.push(what);
+    }
+}
+
+/// A name as a message shows it: short, whatever it holds.
+fn short(name: &str) -> String {
+    if name.chars().count() <= 60 { name.to_owned() } else { name.chars().take(59).chain(['…']).collect() }
 }
 
 #[cfg(test)]
@@ -85,7 +124,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("A.OBJ");
         std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
-        assert_eq!(read(&path).unwrap().triangles, [[0, 1, 2]]);
+        assert_eq!(read(&path).unwrap().mesh.triangles, [[0, 1, 2]]);
     }
 
     #[test]

@@ -3,11 +3,16 @@
 //! Read by hand: the crate `ply-rs-bw` keeps every property of every element in a map of its own, and
 //! reserves room for what the header promises.
 
+use std::path::Path;
+
 use glam::DVec3;
 
 use super::polygons::Polygons;
 use super::text::{Lines, number, shown, words};
-use super::{MeshFault, Place, TriMesh};
+use super::{MeshFault, MeshFile, Place};
+use wear::{CornerWear, Worn};
+
+mod wear;
 
 #[derive(Clone, Copy, PartialEq)]
 enum Format {
@@ -175,9 +180,10 @@ fn decode(kind: Type, bytes: &[u8], big: bool) -> f64 {
     }
 }
 
-pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, MeshFault> {
+pub(super) fn read(bytes: &[u8], folder: &Path) -> Result<MeshFile, MeshFault> {
     let mut lines = Lines::new(bytes);
-    let (format, elements) = header(&mut lines)?;
+    let mut worn = Worn::default();
+    let (format, elements) = header(&mut lines, &mut worn)?;
     let mut values = match format {
         Format::Text => Values::Text { lines: Lines::after(lines.rest(), lines.number()), line: &[] },
         _ => Values::Binary { rest: lines.rest(), length: bytes.len(), big: format == Format::Big },
@@ -198,9 +204,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, MeshFault> {
             continue;
         }
         match element.name.as_slice() {
-            b"vertex" => vertices(element, &mut values, &mut polygons)?,
-            b"face" => faces(element, false, &mut values, &mut polygons)?,
-            b"tristrips" => faces(element, true, &mut values, &mut polygons)?,
+            b"vertex" => vertices(element, &mut values, &mut polygons, &mut worn)?,
+            b"face" => faces(element, false, &mut values, &mut polygons, &mut worn)?,
+            b"tristrips" => faces(element, true, &mut values, &mut polygons, &mut worn)?,
             _ => {
                 for _ in 0..element.count {
                     skip(&element.properties, &mut values)?;
@@ -208,10 +214,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, MeshFault> {
             }
         }
     }
-    polygons.finish()
+    Ok(worn.finish(polygons.finish()?, folder))
 }
 
-fn header(lines: &mut Lines<'_>) -> Result<(Format, Vec<Element>), MeshFault> {
+/// The elements; the pictures that comments name are added to `worn`.
+fn header(lines: &mut Lines<'_>, worn: &mut Worn) -> Result<(Format, Vec<Element>), MeshFault> {
     if lines.next().map(<[u8]>::trim_ascii) != Some(b"ply") {
         return Err(MeshFault::malformed(Place::Line(1), "a PLY file begins with the line \"ply\""));
     }
@@ -242,6 +249,7 @@ fn header(lines: &mut Lines<'_>) -> Result<(Format, Vec<Element>), MeshFault> {
                 let format = format.ok_or_else(|| lines.fault("the header names no format"))?;
                 return Ok((format, elements));
             }
+            [b"comment", b"TextureFile", ..] => worn.picture(line),
             [] | [b"comment" | b"obj_info", ..] => {}
             [word, ..] => return Err(lines.fault(format!("{} was not expected in the header", shown(word)))),
         }
@@ -273,7 +281,12 @@ fn skip(properties: &[Property], values: &mut Values<'_>) -> Result<(), MeshFaul
     Ok(())
 }
 
-fn vertices(element: &Element, values: &mut Values<'_>, polygons: &mut Polygons) -> Result<(), MeshFault> {
+fn vertices(
+    element: &Element,
+    values: &mut Values<'_>,
+    polygons: &mut Polygons,
+    worn: &mut Worn,
+) -> Result<(), MeshFault> {
     let mut axes = [0; 3];
     for (axis, name) in axes.iter_mut().zip([b"x", b"y", b"z"]) {
         let found = element.property(name).filter(|&i| element.properties[i].length.is_none());
@@ -281,18 +294,20 @@ fn vertices(element: &Element, values: &mut Values<'_>, polygons: &mut Polygons)
             || MeshFault::malformed(Place::Whole, format!("its vertices have no {}", name.escape_ascii()));
         *axis = found.ok_or_else(missing)?;
     }
+    let wear = worn.vertices_with(element);
+    let mut numbers = vec![0.0; element.properties.len()];
     for _ in 0..element.count {
-        let mut p = [0.0; 3];
         let place = values.place();
-        for (i, property) in element.properties.iter().enumerate() {
-            match axes.iter().position(|&axis| axis == i) {
-                Some(axis) => p[axis] = values.next(property.kind)?,
-                None => skip(std::slice::from_ref(property), values)?,
+        for (property, number) in element.properties.iter().zip(&mut numbers) {
+            match property.length {
+                None => *number = values.next(property.kind)?,
+                Some(_) => skip(std::slice::from_ref(property), values)?,
             }
         }
         // In text the line is known only once it has been read.
         let place = if let Values::Text { .. } = values { values.place() } else { place };
-        polygons.vertex(DVec3::from_array(p), place)?;
+        polygons.vertex(DVec3::from_array(axes.map(|axis| numbers[axis])), place)?;
+        worn.vertex(&wear, &numbers);
     }
     Ok(())
 }
@@ -303,6 +318,7 @@ fn faces(
     strips: bool,
     values: &mut Values<'_>,
     polygons: &mut Polygons,
+    worn: &mut Worn,
 ) -> Result<(), MeshFault> {
     let corners = element.property(b"vertex_indices").or_else(|| element.property(b"vertex_index"));
     let corners = corners.filter(|&i| element.properties[i].length.is_some());
@@ -310,13 +326,31 @@ fn faces(
         let what = "its faces have no list vertex_indices (nor vertex_index)";
         return Err(MeshFault::malformed(Place::Whole, what));
     };
+    // Strips have corners of many faces: what faces wear says nothing there.
+    let wear = if strips { CornerWear::default() } else { worn.faces_with(element) };
+    let mut numbers = vec![0.0; element.properties.len()];
+    let mut coordinates = Vec::new();
     for _ in 0..element.count {
+        let begun = polygons.corners();
+        let mut count = 0;
+        coordinates.clear();
         for (i, property) in element.properties.iter().enumerate() {
-            let Some(length) = property.length.filter(|_| i == corners) else {
-                skip(std::slice::from_ref(property), values)?;
+            let Some(length) = property.length else {
+                numbers[i] = values.next(property.kind)?;
                 continue;
             };
             let n = values.list(length, property.kind)?;
+            if i != corners {
+                let kept = wear.coordinates == Some(i);
+                for _ in 0..n {
+                    let value = values.next(property.kind)?;
+                    if kept {
+                        coordinates.push(value as f32);
+                    }
+                }
+                continue;
+            }
+            count = n;
             let mut strip = Strip::default();
             for _ in 0..n {
                 let value = values.next(property.kind)?;
@@ -332,6 +366,10 @@ fn faces(
             if !strips {
                 polygons.face()?;
             }
+        }
+        if !strips {
+            let kept = if polygons.corners() > begun { count } else { 0 };
+            worn.face(&wear, &numbers, &coordinates, kept);
         }
     }
     Ok(())
@@ -365,123 +403,4 @@ impl Strip {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
-    use super::*;
-
-    pub(in super::super) const TEXT: &str = "ply\nformat ascii 1.0\ncomment made by hand\nobj_info x\n\
-        element colour 1\nproperty uchar r\nproperty list uchar float w\n\
-        element vertex 4\nproperty double x\nproperty float nx\nproperty double y\nproperty double z\n\
-        element face 2\nproperty uchar flag\nproperty list uchar int vertex_indices\nend_header\n\
-        7 2 1 2\n0 9 0 0\n1 9 0 0.1\n1 9 1 0\n0 9 1 0\n0 4 0 1 2 3\n0 3 0 2 3\n";
-
-    /// The same mesh as [`TEXT`], in binary.
-    pub(in super::super) fn binary(big: bool) -> Vec<u8> {
-        let (name, end) = if big { ("binary_big_endian", "\r\n") } else { ("binary_little_endian", "\n") };
-        let head = &TEXT[..TEXT.find("end_header\n").unwrap() + 11];
-        let mut bytes = head.replace("ascii", name).replace('\n', end).into_bytes();
-        let mut put = |le: &[u8]| {
-            let at = bytes.len();
-            bytes.extend(le);
-            if big {
-                bytes[at..].reverse();
-            }
-        };
-        put(&[7]);
-        put(&[2]);
-        put(&1f32.to_le_bytes());
-        put(&2f32.to_le_bytes());
-        for [x, y, z] in [[0.0, 0.0, 0.0], [1.0, 0.0, 0.1], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0f64]] {
-            put(&x.to_le_bytes());
-            put(&9f32.to_le_bytes());
-            put(&y.to_le_bytes());
-            put(&z.to_le_bytes());
-        }
-        for face in [&[0, 1, 2, 3i32][..], &[0, 2, 3]] {
-            put(&[0]);
-            put(&[face.len() as u8]);
-            for i in face {
-                put(&i.to_le_bytes());
-            }
-        }
-        bytes
-    }
-
-    #[test]
-    fn all_three_encodings() {
-        for bytes in [TEXT.as_bytes().to_vec(), binary(false), binary(true)] {
-            let mesh = read(&bytes).unwrap();
-            assert_eq!(mesh.vertices[1], DVec3::new(1.0, 0.0, 0.1));
-            assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 2, 3]]);
-        }
-    }
-
-    #[test]
-    fn every_type_is_decoded() {
-        let le: [(Type, &[u8], f64); 8] = [
-            (Type::I8, &[0xfe], -2.0),
-            (Type::U8, &[0xfe], 254.0),
-            (Type::I16, &[0xfe, 0xff], -2.0),
-            (Type::U16, &[0xfe, 0xff], 65534.0),
-            (Type::I32, &[0xfe, 0xff, 0xff, 0xff], -2.0),
-            (Type::U32, &[0xfe, 0xff, 0xff, 0xff], 4_294_967_294.0),
-            (Type::F32, &0.1f32.to_le_bytes(), 0.1f32 as f64),
-            (Type::F64, &0.1f64.to_le_bytes(), 0.1),
-        ];
-        for (kind, bytes, value) in le {
-            let mut reversed = bytes.to_vec();
-            reversed.reverse();
-            assert_eq!(decode(kind, bytes, false), value);
-            assert_eq!(decode(kind, &reversed, true), value);
-        }
-    }
-
-    #[test]
-    fn strips() {
-        let text = "ply\nformat ascii 1.0\nelement vertex 5\nproperty int x\nproperty int y\nproperty int z\n\
-            element tristrips 1\nproperty list int int vertex_indices\nend_header\n\
-            0 0 0 1 0 0 0 1 0 1 1 0 0 2 0\n8 0 1 2 3 -1 2 3 4\n";
-        assert_eq!(read(text.as_bytes()).unwrap().triangles, [[0, 1, 2], [2, 1, 3], [2, 3, 4]]);
-    }
-
-    #[test]
-    fn lying_headers_are_refused_without_allocating() {
-        for name in ["vertex 4\n", "face 2\n", "colour 1\n"] {
-            let huge = format!("{} 4000000000\n", name.split(' ').next().unwrap());
-            for bytes in [TEXT.as_bytes().to_vec(), binary(false)] {
-                let text = String::from_utf8_lossy(&bytes).into_owned();
-                let at = text.find(name).unwrap();
-                let mut lying = bytes[..at].to_vec();
-                lying.extend(huge.as_bytes());
-                lying.extend(&bytes[at + name.len()..]);
-                let fault = read(&lying).unwrap_err();
-                assert!(fault.to_string().contains("4000000000"), "{fault}");
-            }
-        }
-        let empty = TEXT.replace(
-            "element colour 1\nproperty uchar r\nproperty list uchar float w\n",
-            "element e 4000000000\n",
-        );
-        assert!(read(empty.replace("7 2 1 2\n", "").as_bytes()).is_ok());
-    }
-
-    #[test]
-    fn faults_are_placed() {
-        let fault = |from: &str, to: &str| read(TEXT.replace(from, to).as_bytes()).unwrap_err();
-        let f = fault("1 9 0 0.1", "1 9 0 nan");
-        assert!(matches!(f, MeshFault::NotFinite { place: Place::Line(19), vertex: 1, first: 0 }), "{f}");
-        let f = fault("0 3 0 2 3", "0 3 0 2 4");
-        assert!(matches!(f, MeshFault::Index { face: 1, index: 4, first: 0, count: 4, .. }), "{f}");
-        let f = fault("0 3 0 2 3", "0 3 0 2 -1");
-        assert!(matches!(f, MeshFault::Index { face: 1, index: -1, .. }), "{f}");
-        let f = fault("0 3 0 2 3", "0 3 0 2.5 3");
-        assert!(matches!(f, MeshFault::Malformed { place: Place::Line(23), .. }), "{f}");
-        let f = fault("0 3 0 2 3", "0 -3 0 2 3");
-        assert!(matches!(f, MeshFault::Malformed { .. }), "{f}");
-        let f = fault("property double z", "property double w");
-        assert!(f.to_string().contains("no z"), "{f}");
-        let f = fault("vertex_indices", "corners");
-        assert!(f.to_string().contains("vertex_indices"), "{f}");
-        let f = fault("ascii", "morse");
-        assert!(matches!(f, MeshFault::Malformed { place: Place::Line(2), .. }), "{f}");
-    }
-}
+pub(super) mod tests;

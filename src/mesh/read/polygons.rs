@@ -71,20 +71,28 @@ impl Polygons {
         Ok(())
     }
 
+    /// How many corners all complete polygons have together: the number of the next corner.
+    pub(super) fn corners(&self) -> usize {
+        self.corners.len()
+    }
+
     /// The triangles.
-    pub(super) fn finish(self) -> Result<TriMesh, MeshFault> {
-        let mut triangles = Vec::with_capacity(self.triangles);
+    pub(super) fn finish(self) -> Result<Triangulated, MeshFault> {
+        let mut corners = Vec::with_capacity(self.triangles);
+        let mut faces = Vec::with_capacity(self.triangles);
         let mut tests = EAR_TESTS;
         let mut start = 0;
         for (face, &end) in self.ends.iter().enumerate() {
             let polygon = &self.corners[start..end];
-            start = end;
             if let Some(&c) = polygon.iter().find(|&&c| c as usize >= self.vertices.len()) {
                 return Err(self.bad_index(face, i64::from(c) + self.first as i64));
             }
-            triangulate(&self.vertices, polygon, &mut tests, &mut triangles);
+            triangulate(&self.vertices, polygon, index(start), &mut tests, &mut corners);
+            faces.resize(corners.len(), index(face));
+            start = end;
         }
-        Ok(TriMesh { vertices: self.vertices, triangles })
+        let triangles = corners.iter().map(|t: &[u32; 3]| t.map(|c| self.corners[c as usize])).collect();
+        Ok(Triangulated { mesh: TriMesh { vertices: self.vertices, triangles }, faces, corners })
     }
 
     fn bad_index(&self, face: usize, index: i64) -> MeshFault {
@@ -98,16 +106,33 @@ impl Polygons {
     }
 }
 
-/// Adds the n − 2 triangles of a polygon: a fan where that keeps every triangle on the polygon's own side
-/// (always in a convex one), ears cut off where it does not.
-fn triangulate(vertices: &[DVec3], polygon: &[u32], tests: &mut u64, triangles: &mut Vec<[u32; 3]>) {
+/// Triangles, and which corners of the file's polygons they have, for what the file says of corners and faces.
+pub(super) struct Triangulated {
+    pub(super) mesh: TriMesh,
+    /// The polygon of each triangle, counted from 0; dropped ones count.
+    pub(super) faces: Vec<u32>,
+    /// The three corners of each triangle, by their number among the corners of all polygons (dropped ones
+    /// have none).
+    pub(super) corners: Vec<[u32; 3]>,
+}
+
+/// Adds the n − 2 triangles of a polygon whose first corner has the number `start`: a fan where that keeps
+/// every triangle on the polygon's own side (always in a convex one), ears cut off where it does not.
+fn triangulate(
+    vertices: &[DVec3],
+    polygon: &[u32],
+    start: u32,
+    tests: &mut u64,
+    triangles: &mut Vec<[u32; 3]>,
+) {
+    let corner = |i: usize| start + index(i);
     if polygon.len() > 3 {
         let flat = project(vertices, polygon);
-        if !fan_fits(&flat) && cut_ears(&flat, polygon, tests, triangles) {
+        if !fan_fits(&flat) && cut_ears(&flat, &corner, tests, triangles) {
             return;
         }
     }
-    triangles.extend((2..polygon.len()).map(|i| [polygon[0], polygon[i - 1], polygon[i]]));
+    triangles.extend((2..polygon.len()).map(|i| [corner(0), corner(i - 1), corner(i)]));
 }
 
 /// The corners seen along the polygon's mean normal (Newell's), which makes it counter-clockwise.
@@ -137,9 +162,14 @@ fn fan_fits(flat: &[DVec2]) -> bool {
 
 /// Cuts ears; false, with nothing added, where the polygon has none left (it crosses itself or is flat) or
 /// the tests are used up.
-fn cut_ears(flat: &[DVec2], polygon: &[u32], tests: &mut u64, triangles: &mut Vec<[u32; 3]>) -> bool {
+fn cut_ears(
+    flat: &[DVec2],
+    corner: &impl Fn(usize) -> u32,
+    tests: &mut u64,
+    triangles: &mut Vec<[u32; 3]>,
+) -> bool {
     let begun = triangles.len();
-    let mut left: Vec<usize> = (0..polygon.len()).collect();
+    let mut left: Vec<usize> = (0..flat.len()).collect();
     let mut at = 0;
     let mut since_last_ear = 0;
     while left.len() > 3 {
@@ -166,7 +196,7 @@ fn cut_ears(flat: &[DVec2], polygon: &[u32], tests: &mut u64, triangles: &mut Ve
             })
         };
         if ear {
-            triangles.push([polygon[a], polygon[b], polygon[c]]);
+            triangles.push([a, b, c].map(corner));
             left.remove((at + 1) % n);
             since_last_ear = 0;
             // Removing an entry before `at` moves the rest down.
@@ -176,7 +206,7 @@ fn cut_ears(flat: &[DVec2], polygon: &[u32], tests: &mut u64, triangles: &mut Ve
             since_last_ear += 1;
         }
     }
-    triangles.push([polygon[left[0]], polygon[left[1]], polygon[left[2]]]);
+    triangles.push([left[0], left[1], left[2]].map(corner));
     true
 }
 
@@ -199,7 +229,7 @@ mod tests {
             polygons.corner(((i + start) % n) as i64).unwrap();
         }
         polygons.face().unwrap();
-        let mesh = polygons.finish().unwrap();
+        let mesh = polygons.finish().unwrap().mesh;
         let areas: Vec<f64> = mesh
             .triangles
             .iter()
@@ -260,7 +290,7 @@ mod tests {
             polygons.corner(i).unwrap();
         }
         polygons.face().unwrap();
-        let fault = polygons.finish().unwrap_err();
+        let fault = polygons.finish().err().unwrap();
         assert!(matches!(fault, MeshFault::Index { face: 2, index: 4, first: 1, count: 3, .. }), "{fault}");
         assert!(fault.to_string().contains("numbered 1 to 3"), "{fault}");
     }

@@ -62,7 +62,7 @@ fn read_binary(bytes: &[u8]) -> Result<TriMesh, MeshFault> {
         }
         polygons.face()?;
     }
-    polygons.finish()
+    Ok(polygons.finish()?.mesh)
 }
 
 fn read_text(bytes: &[u8]) -> Result<TriMesh, MeshFault> {
@@ -104,7 +104,7 @@ fn read_text(bytes: &[u8]) -> Result<TriMesh, MeshFault> {
     if !ended {
         return Err(lines.fault("the file ends before \"endsolid\": it is cut short"));
     }
-    polygons.finish()
+    Ok(polygons.finish()?.mesh)
 }
 
 #[cfg(test)]

@@ -6,9 +6,10 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::*;
+use crate::mesh::NONE;
 
 fn samples() -> Vec<(&'static str, Vec<u8>)> {
-    let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0 0.5\nv 1 1 0 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2//1 -2 \\\n4\nf 1 2 3\n";
+    let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0 0.5\nv 1 1 0 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\ng a b\no c\nusemtl m\nf 1/1/1 2//1 -2 \\\n4\nf 1 2 3\n";
     let off = "OFF\n# c\n4 2 5\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3 255 0 0\n3 0 2 3\n";
     let t = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let blob = gltf::tests::bytes_of_buffer();
@@ -18,6 +19,12 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
     vec![
         ("obj", obj.into()),
         ("off", off.into()),
+        (
+            "off",
+            "STCNOFF 3 1\n0 0 0 0 0 1 9 0 0 1 1\n1 0 0 0 0 1 0.5 0 1 0 0\n0 1 0 0 0 1 0 0 0 0 0\n3 0 1 2\n"
+                .into(),
+        ),
+        ("ply", ply::tests::WORN.into()),
         ("stl", stl::tests::TEXT.into()),
         ("stl", stl::tests::binary(b"b", &[t, t])),
         ("ply", ply::tests::TEXT.into()),
@@ -31,7 +38,19 @@ fn samples() -> Vec<(&'static str, Vec<u8>)> {
 /// Reads, and checks what a reader promises of a mesh that it gives.
 fn reads(extension: &str, bytes: &[u8]) -> bool {
     match read_bytes(bytes, extension, Path::new("nowhere")) {
-        Ok(mesh) => {
+        Ok(MeshFile { mesh, wear, notes }) => {
+            let count = mesh.triangles.len();
+            for length in [wear.uv.len(), wear.colours.len(), wear.material.len()] {
+                assert!(length == 0 || length == count);
+            }
+            assert!(wear.uv.iter().flatten().flatten().all(|x| x.is_finite()));
+            let named = |m: u32| m == NONE || (m as usize) < wear.materials.len();
+            assert!(wear.material.iter().all(|&m| named(m)));
+            assert!(
+                wear.materials.iter().filter_map(|m| m.picture).all(|p| (p as usize) < wear.pictures.len())
+            );
+            assert!(wear.regions.iter().flat_map(|r| &r.triangles).all(|&t| (t as usize) < count));
+            assert!(notes.len() <= MAX_NOTES && notes.iter().all(|note| note.len() < 1000), "{notes:?}");
             assert!(!mesh.triangles.is_empty());
             assert!(mesh.vertices.iter().all(|p| p.is_finite()));
             assert!(mesh.triangles.iter().flatten().all(|&v| (v as usize) < mesh.vertices.len()));

@@ -7,6 +7,7 @@ use ::gltf::{Accessor, Buffer, buffer};
 use glam::DVec3;
 
 use super::{MAX_MESH_ELEMENTS, MeshFault, Place};
+use crate::colour::encode;
 
 /// Positions: three `f32`, or (`KHR_mesh_quantization`) three integers.
 pub(super) fn positions(accessor: &Accessor<'_>, buffers: &[Cow<'_, [u8]>]) -> Result<Vec<DVec3>, MeshFault> {
@@ -35,6 +36,51 @@ pub(super) fn positions(accessor: &Accessor<'_>, buffers: &[Cow<'_, [u8]>]) -> R
     }
 }
 
+/// Texture coordinates: two `f32`, or two integers, normalised or (`KHR_mesh_quantization`) not.
+pub(super) fn coordinates(
+    accessor: &Accessor<'_>,
+    buffers: &[Cow<'_, [u8]>],
+) -> Result<Vec<[f32; 2]>, MeshFault> {
+    let fault = Fault(accessor.index());
+    if accessor.dimensions() != Dimensions::Vec2 {
+        return Err(fault.of("texture coordinates must be of type VEC2"));
+    }
+    let finite = |x: f32| if x.is_finite() { x } else { 0.0 };
+    let step = |most: f32| if accessor.normalized() { most } else { 1.0 };
+    match accessor.data_type() {
+        DataType::F32 => all(accessor, buffers, |p: [f32; 2]| p.map(finite)),
+        DataType::I8 => all(accessor, buffers, |p: [i8; 2]| p.map(|x| f32::from(x) / step(127.0))),
+        DataType::U8 => all(accessor, buffers, |p: [u8; 2]| p.map(|x| f32::from(x) / step(255.0))),
+        DataType::I16 => all(accessor, buffers, |p: [i16; 2]| p.map(|x| f32::from(x) / step(32767.0))),
+        DataType::U16 => all(accessor, buffers, |p: [u16; 2]| p.map(|x| f32::from(x) / step(65535.0))),
+        DataType::U32 => Err(fault.of("texture coordinates cannot be 32-bit integers")),
+    }
+}
+
+/// Colours of vertices, in linear light there and sRGB here: three or four `f32`, or normalised integers.
+pub(super) fn colours(accessor: &Accessor<'_>, buffers: &[Cow<'_, [u8]>]) -> Result<Vec<[u8; 4]>, MeshFault> {
+    // What is no number becomes 0.
+    let float = |c: [f32; 4]| encode(c.map(|x| x.max(0.0)));
+    let opaque = |[r, g, b]: [f32; 3]| [r, g, b, 1.0];
+    match (accessor.dimensions(), accessor.data_type()) {
+        (Dimensions::Vec3, DataType::F32) => all(accessor, buffers, |c: [f32; 3]| float(opaque(c))),
+        (Dimensions::Vec4, DataType::F32) => all(accessor, buffers, |c: [f32; 4]| float(c)),
+        (Dimensions::Vec3, DataType::U8) => {
+            all(accessor, buffers, |c: [u8; 3]| float(opaque(c.map(|x| f32::from(x) / 255.0))))
+        }
+        (Dimensions::Vec4, DataType::U8) => {
+            all(accessor, buffers, |c: [u8; 4]| float(c.map(|x| f32::from(x) / 255.0)))
+        }
+        (Dimensions::Vec3, DataType::U16) => {
+            all(accessor, buffers, |c: [u16; 3]| float(opaque(c.map(|x| f32::from(x) / 65535.0))))
+        }
+        (Dimensions::Vec4, DataType::U16) => {
+            all(accessor, buffers, |c: [u16; 4]| float(c.map(|x| f32::from(x) / 65535.0)))
+        }
+        _ => Err(Fault(accessor.index()).of("colours must be VEC3 or VEC4 of floats or unsigned integers")),
+    }
+}
+
 /// Vertex indices: unsigned integers.
 pub(super) fn indices(accessor: &Accessor<'_>, buffers: &[Cow<'_, [u8]>]) -> Result<Vec<u32>, MeshFault> {
     let fault = Fault(accessor.index());
@@ -48,6 +94,9 @@ pub(super) fn indices(accessor: &Accessor<'_>, buffers: &[Cow<'_, [u8]>]) -> Res
         _ => Err(fault.of("indices must be unsigned integers")),
     }
 }
+
+/// The most values of an accessor that has no data.
+const MAX_ZEROS: usize = 1 << 24;
 
 #[derive(Clone, Copy)]
 struct Fault(usize);
@@ -70,10 +119,18 @@ fn all<T: Item, U>(
         return Ok(Vec::new());
     }
     // Without a buffer view the values are zeros, so that no file length bounds their number.
+    if accessor.view().is_none() && count > MAX_ZEROS {
+        return Err(fault.of(&format!("{count} values without a buffer view; at most {MAX_ZEROS} are read")));
+    }
     if count > 3 * MAX_MESH_ELEMENTS {
         return Err(MeshFault::TooLarge("values in one accessor"));
     }
     let size = accessor.size();
+    if accessor.view().is_none() && accessor.sparse().is_none_or(|sparse| sparse.count() == 0) {
+        let zero = [0; 16];
+        let zero = zero.get(..size).ok_or_else(|| fault.of("its items are too large"))?;
+        return Ok((0..count).map(|_| map(T::from_slice(zero))).collect());
+    }
     if let Some(view) = accessor.view() {
         check(&view, accessor.offset(), count, size, buffers).map_err(|e| fault.of(&e))?;
     }

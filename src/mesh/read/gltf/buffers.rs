@@ -1,7 +1,7 @@
 //! The bytes that a glTF file's accessors look into.
 
 use std::borrow::Cow;
-use std::path::{Component, Path, PathBuf};
+use std::path::Path;
 
 use ::gltf::Document;
 use ::gltf::buffer::Source;
@@ -9,6 +9,7 @@ use base64::Engine;
 use base64::alphabet;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
+use super::super::below;
 use super::{MeshFault, Place};
 use crate::files;
 
@@ -54,15 +55,22 @@ fn inline(data: &str) -> Result<Vec<u8>, String> {
 /// A file beside the `.gltf`, or below it; a mesh file must not read what lies elsewhere.
 fn beside(uri: &str, folder: &Path) -> Result<Vec<u8>, MeshFault> {
     let name = String::from_utf8_lossy(&percent_decoded(uri)).into_owned();
-    let path = PathBuf::from(&name);
-    let inside = path.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
-    if !inside || name.contains("://") {
-        return Err(MeshFault::Unsupported {
-            what: format!("a buffer outside the file's folder ({uri:?})"),
-            help: "move it beside the .gltf file, or export a .glb",
-        });
+    let path = below(folder, &name).ok_or_else(|| MeshFault::Unsupported {
+        what: format!("a buffer outside the file's folder ({uri:?})"),
+        help: "move it beside the .gltf file, or export a .glb",
+    })?;
+    files::read_whole(&path).map_err(|source| MeshFault::Buffer { uri: uri.to_owned(), source })
+}
+
+/// The bytes of a picture that a URI names.
+pub(super) fn picture(uri: &str, folder: &Path) -> Result<Vec<u8>, String> {
+    match uri.strip_prefix("data:") {
+        Some(data) => inline(data),
+        None => beside(uri, folder).map_err(|fault| match fault {
+            MeshFault::Buffer { source, .. } => source.to_string(),
+            _ => "it lies outside the file's folder".to_owned(),
+        }),
     }
-    files::read_whole(&folder.join(path)).map_err(|source| MeshFault::Buffer { uri: uri.to_owned(), source })
 }
 
 fn percent_decoded(text: &str) -> Vec<u8> {

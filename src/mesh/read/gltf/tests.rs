@@ -1,8 +1,12 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use serde_json::json;
-
+use super::super::pictures::tests::{grey_jpeg, png};
 use super::*;
+use crate::mesh::{Material, Region};
+
+fn read(bytes: &[u8], folder: &Path) -> Result<TriMesh, MeshFault> {
+    super::read(bytes, folder).map(|file| file.mesh)
+}
 
 /// Two triangles as an indexed list; `u16` indices at byte 0 (12 bytes), positions at byte 12 (48 bytes).
 pub(in super::super) fn bytes_of_buffer() -> Vec<u8> {
@@ -170,4 +174,256 @@ fn ranges_are_checked() {
     scene["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
     scene["accessors"][1].as_object_mut().unwrap().remove("bufferView");
     assert!(message(&scene).contains("KHR_draco_mesh_compression"));
+}
+
+/// The scene of two triangles with more bytes in its buffer: what `add` puts there gets an accessor each.
+struct Dressed {
+    scene: Value,
+    blob: Vec<u8>,
+}
+
+impl Dressed {
+    fn new() -> Self {
+        let mut scene = scene();
+        scene["nodes"] = json!([{"mesh": 0, "name": "thing"}]);
+        scene["meshes"][0]["name"] = json!("sheet");
+        Self { scene, blob: bytes_of_buffer() }
+    }
+
+    /// A buffer view of these bytes; its number.
+    fn view(&mut self, bytes: &[u8]) -> usize {
+        self.blob.resize(self.blob.len().next_multiple_of(4), 0);
+        let views = self.scene["bufferViews"].as_array_mut().unwrap();
+        views.push(json!({"buffer": 0, "byteOffset": self.blob.len(), "byteLength": bytes.len()}));
+        self.blob.extend(bytes);
+        views.len() - 1
+    }
+
+    /// An accessor of four items; its number.
+    fn accessor(&mut self, kind: &str, component: u32, normalised: bool, bytes: &[u8]) -> usize {
+        let view = self.view(bytes);
+        let accessors = self.scene["accessors"].as_array_mut().unwrap();
+        accessors.push(json!({"bufferView": view, "componentType": component, "count": 4, "type": kind,
+            "normalized": normalised}));
+        accessors.len() - 1
+    }
+
+    fn floats(&mut self, kind: &str, values: &[f32]) -> usize {
+        self.accessor(kind, 5126, false, &values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<_>>())
+    }
+
+    fn read(&mut self) -> MeshFile {
+        self.scene["buffers"][0]["byteLength"] = json!(self.blob.len());
+        super::read(&glb(&self.scene, &self.blob), Path::new("nowhere")).unwrap()
+    }
+}
+
+#[test]
+fn colours_and_coordinates_of_every_type() {
+    let (u, v) = ([0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 1.0f32]);
+    let uv: Vec<f32> = (0..4).flat_map(|i| [u[i], v[i]]).collect();
+    let scaled = |most: f32| uv.iter().map(move |x| x * most);
+    let bytes: Vec<u8> = scaled(255.0).map(|x| x as u8).collect();
+    let words: Vec<u8> = scaled(65535.0).flat_map(|x| (x as u16).to_le_bytes()).collect();
+    let signed: Vec<u8> = scaled(127.0).map(|x| x as u8).collect();
+    for (component, bytes) in [(5121, &bytes), (5123, &words), (5120, &signed)] {
+        let mut dressed = Dressed::new();
+        let at = dressed.accessor("VEC2", component, true, bytes);
+        dressed.scene["meshes"][0]["primitives"][0] =
+            json!({"attributes": {"POSITION": 1, "TEXCOORD_0": at}, "indices": 0});
+        let wear = dressed.read().wear;
+        assert_eq!(wear.uv, [[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]], [[0.0, 0.0], [1.0, 1.0], [0.0, 1.0]]]);
+        assert!(!wear.is_visible());
+    }
+    // A half of the light is 188 of 255 in sRGB.
+    let floats: Vec<u8> = [0.5f32, 0.0, 1.0].repeat(4).iter().flat_map(|x| x.to_le_bytes()).collect();
+    let words: Vec<u8> = [32768u16, 0, 65535, 65535].repeat(4).iter().flat_map(|x| x.to_le_bytes()).collect();
+    for (kind, component, bytes) in
+        [("VEC3", 5126, &floats), ("VEC4", 5123, &words), ("VEC4", 5121, &[128, 0, 255, 51].repeat(4))]
+    {
+        let mut dressed = Dressed::new();
+        let at = dressed.accessor(kind, component, component != 5126, bytes);
+        dressed.scene["meshes"][0]["primitives"] = json!([
+            {"attributes": {"POSITION": 1}, "indices": 0},
+            {"attributes": {"POSITION": 1, "COLOR_0": at}, "indices": 0}
+        ]);
+        let wear = dressed.read().wear;
+        // Without a material, alpha means nothing.
+        assert_eq!(
+            wear.colours,
+            [[[255; 4]; 3], [[255; 4]; 3], [[188, 0, 255, 255]; 3], [[188, 0, 255, 255]; 3]]
+        );
+    }
+}
+
+#[test]
+fn regions_materials_and_pictures() {
+    let mut dressed = Dressed::new();
+    let second = dressed.floats("VEC2", &[0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0]);
+    let first = dressed.floats("VEC2", &[9.0; 8]);
+    let picture = dressed.view(&png(1, 1, png::ColorType::Rgba, &[10, 20, 30, 40]));
+    let photograph = dressed.view(&grey_jpeg());
+    dressed.scene["images"] = json!([
+        {"bufferView": picture, "mimeType": "image/png"},
+        {"bufferView": photograph, "mimeType": "image/jpeg"},
+        {"uri": "gone.png"}
+    ]);
+    dressed.scene["samplers"] = json!([{"wrapS": 33071}]);
+    dressed.scene["textures"] = json!([{"source": 0}, {"source": 1, "sampler": 0}, {"source": 2}, {}]);
+    let turned = json!({"KHR_texture_transform":
+        {"offset": [0.5, 0.25], "rotation": std::f64::consts::FRAC_PI_2, "scale": [2, 3], "texCoord": 1}});
+    dressed.scene["materials"] = json!([
+        {"name": "skin", "alphaMode": "BLEND", "pbrMetallicRoughness":
+            {"baseColorFactor": [0.5, 1, 0, 0.2], "baseColorTexture": {"index": 0, "texCoord": 1}}},
+        {"name": "rim", "pbrMetallicRoughness":
+            {"baseColorFactor": [1, 1, 1, 0.2], "baseColorTexture": {"index": 1, "extensions": turned}}},
+        {"name": "lost", "pbrMetallicRoughness": {"baseColorTexture": {"index": 2}}},
+        {"name": "newer", "pbrMetallicRoughness": {"baseColorTexture": {"index": 3}}},
+        {"name": "older", "extensions": {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0, 0, 1, 1]}}}
+    ]);
+    let attributes = json!({"POSITION": 1, "TEXCOORD_0": first, "TEXCOORD_1": second});
+    let part = |material: usize| json!({"attributes": attributes, "indices": 0, "material": material});
+    dressed.scene["meshes"] = json!([
+        {"name": "sheet", "primitives": [part(0), {"attributes": {}}, part(1)]},
+        {"primitives": [part(2)]},
+        {"name": "plain", "primitives": [part(3), part(4), {"attributes": {"POSITION": 1}, "indices": 0}]}
+    ]);
+    dressed.scene["nodes"] = json!([
+        {"mesh": 0, "name": "thing"}, {"mesh": 1, "children": [2]}, {"mesh": 0, "name": "other"}, {"mesh": 2}
+    ]);
+    dressed.scene["scenes"][0]["nodes"] = json!([0, 1, 3]);
+    let MeshFile { wear, notes, mesh } = dressed.read();
+    assert_eq!(mesh.triangles.len(), 16);
+    let region = |name: &str| wear.region(name).unwrap().to_vec();
+    assert_eq!(region("thing"), [0, 1, 2, 3]);
+    assert_eq!(region("other"), [6, 7, 8, 9]);
+    assert_eq!(region("sheet"), [0, 1, 2, 3, 6, 7, 8, 9]);
+    assert_eq!(region("sheet/0"), [0, 1, 6, 7]);
+    assert_eq!(region("sheet/2"), [2, 3, 8, 9]);
+    assert_eq!(region("mesh 1"), [4, 5]);
+    assert_eq!(region("material:skin"), [0, 1, 6, 7]);
+    assert_eq!(region("older"), [12, 13]);
+    assert!(
+        wear.regions.iter().all(|Region { name, triangles, .. }| !name.is_empty() && !triangles.is_empty())
+    );
+    let material = |name: &str, colour, picture| Material { name: name.to_owned(), colour, picture };
+    assert_eq!(
+        wear.materials,
+        [
+            material("skin", [188, 255, 0, 51], Some(0)),
+            material("rim", [255; 4], Some(1)),
+            material("lost", [255; 4], None),
+            material("newer", [255; 4], None),
+            material("older", [0, 0, 255, 255], None),
+        ]
+    );
+    assert_eq!(wear.material[..6], [0, 0, 1, 1, 2, 2]);
+    assert_eq!(wear.material[14..], [NONE; 2]);
+    assert_eq!(wear.pictures[0].rgba, [[10, 20, 30, 40]]);
+    assert_eq!((wear.pictures[1].width, wear.pictures[1].rgba[0]), (8, [128, 128, 128, 255]));
+    assert_eq!(wear.uv[0], [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
+    assert_eq!(wear.uv[4], [[9.0; 2]; 3]);
+    // Turned by 90° against the clock: what was to the right (u) is now up (v falls).
+    for (found, expected) in wear.uv[2].iter().zip([[0.5, 0.25], [0.5, -1.75], [3.5, -1.75]]) {
+        assert!((0..2).all(|n| (found[n] - expected[n]).abs() < 1e-6), "{found:?} {expected:?}");
+    }
+    for word in ["gone.png", "'newer'", "repeated"] {
+        assert!(notes.iter().any(|note| note.contains(word)), "{word}: {notes:?}");
+    }
+    assert_eq!(notes.len(), 3, "{notes:?}");
+}
+
+#[test]
+fn faults_of_what_is_worn_are_notes() {
+    let mut dressed = Dressed::new();
+    let wrong = dressed.accessor("VEC3", 5126, false, &[0; 48]);
+    dressed.scene["meshes"][0]["primitives"][0] = json!({
+        "attributes": {"POSITION": 1, "TEXCOORD_0": wrong, "COLOR_0": 99, "TEXCOORD_1": "x"},
+        "indices": 0, "material": 7
+    });
+    dressed.scene["materials"] = json!({"not": "a list"});
+    let file = dressed.read();
+    assert_eq!(file.mesh.triangles.len(), 2);
+    assert!(!file.wear.is_visible() && file.wear.uv.is_empty());
+    assert!(file.notes.len() == 2 && file.notes.iter().any(|n| n.contains("VEC2")), "{:?}", file.notes);
+    dressed.scene["meshes"][0]["primitives"][0]["material"] = json!(0);
+    dressed.scene["materials"] = json!([{"name": 5, "alphaMode": [], "pbrMetallicRoughness": {"baseColorFactor": [1, "x"], "baseColorTexture": 3}}]);
+    assert_eq!(dressed.read().wear.materials[0].colour, [255; 4]);
+}
+
+#[test]
+fn masks_are_applied_to_pictures() {
+    let mut dressed = Dressed::new();
+    let uv = dressed.floats("VEC2", &[0.0; 8]);
+    let view = dressed.view(&png(2, 1, png::ColorType::GrayscaleAlpha, &[9, 100, 9, 200]));
+    dressed.scene["images"] = json!([{"bufferView": view}]);
+    dressed.scene["textures"] = json!([{"source": 0}]);
+    let info = json!({"baseColorTexture": {"index": 0}});
+    dressed.scene["materials"] = json!([
+        {"alphaMode": "MASK", "pbrMetallicRoughness": info}, {"alphaMode": "OPAQUE", "pbrMetallicRoughness": info}
+    ]);
+    let part =
+        |m: usize| json!({"attributes": {"POSITION": 1, "TEXCOORD_0": uv}, "indices": 0, "material": m});
+    dressed.scene["meshes"][0]["primitives"] = json!([part(0), part(1)]);
+    let wear = dressed.read().wear;
+    let alphas = |n: usize| wear.pictures[n].rgba.iter().map(|c| c[3]).collect::<Vec<_>>();
+    assert_eq!((alphas(0), alphas(1)), (vec![0, 255], vec![255, 255]));
+}
+
+#[test]
+fn indices_of_every_width_and_none() {
+    let of = |component: u32, bytes: &[u8]| {
+        let mut dressed = Dressed::new();
+        let at = dressed.accessor("SCALAR", component, false, bytes);
+        dressed.scene["accessors"][at]["count"] = json!(3);
+        dressed.scene["meshes"][0]["primitives"][0] = json!({"attributes": {"POSITION": 1}, "indices": at});
+        dressed.read().mesh.triangles
+    };
+    assert_eq!(of(5121, &[3, 1, 2]), [[3, 1, 2]]);
+    assert_eq!(of(5123, &[3, 0, 1, 0, 2, 0]), [[3, 1, 2]]);
+    assert_eq!(of(5125, &[3, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0]), [[3, 1, 2]]);
+    let mut none = Dressed::new();
+    none.scene["meshes"][0]["primitives"][0] = json!({"attributes": {"POSITION": 1}});
+    assert_eq!(none.read().mesh.triangles, [[0, 1, 2]]);
+}
+
+#[test]
+fn accessors_without_data_are_zeros() {
+    let mut scene = scene();
+    scene["nodes"] = json!([{"mesh": 0}]);
+    scene["accessors"][1] = json!({"componentType": 5126, "count": 4, "type": "VEC3"});
+    assert_eq!(read_scene(&scene).unwrap().vertices, [DVec3::ZERO; 4]);
+    // Sparse values upon them.
+    scene["accessors"][1]["sparse"] = json!({
+        "count": 2,
+        "indices": {"bufferView": 0, "byteOffset": 2, "componentType": 5123},
+        "values": {"bufferView": 1, "byteOffset": 12}
+    });
+    let expected = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::ZERO];
+    assert_eq!(read_scene(&scene).unwrap().vertices, expected);
+    scene["accessors"][1] = json!({"componentType": 5126, "count": 100_000_000, "type": "VEC3"});
+    assert!(message(&scene).contains("without a buffer view"));
+}
+
+#[test]
+fn compression_is_refused_by_name_wherever_it_stands() {
+    let draco = "KHR_draco_mesh_compression";
+    // On the primitive alone; with data as a fallback it is read.
+    let mut fallback = scene();
+    fallback["meshes"][0]["primitives"][0]["extensions"] =
+        json!({draco: {"bufferView": 0, "attributes": {}}});
+    assert!(read_scene(&fallback).is_ok());
+    fallback["accessors"][1].as_object_mut().unwrap().remove("bufferView");
+    assert!(message(&fallback).contains(draco));
+    for meshopt in ["EXT_meshopt_compression", "KHR_meshopt_compression"] {
+        let mut scene = scene();
+        scene["extensionsRequired"] = json!([meshopt]);
+        assert!(message(&scene).contains(meshopt));
+        // The buffer has no bytes but by the extension.
+        scene.as_object_mut().unwrap().remove("extensionsRequired");
+        scene["buffers"] =
+            json!([{"byteLength": 60}, {"byteLength": 60, "extensions": {meshopt: {"fallback": true}}}]);
+        scene["bufferViews"][1]["buffer"] = json!(1);
+        assert!(message(&scene).contains(meshopt));
+    }
 }

@@ -114,7 +114,7 @@ fn faults_are_located_and_say_what_helps() {
         (two("2.2 0 8", "4.0 0 8"), "line 2: MSH version 4 is not read"),
         (two("2.2 0 8", "2.2 0 4"), "4 bytes"),
         (two("2.2 0 8", "2.2 7 8"), "file type 7"),
-        (two("3 1 0 0", "3 1 x 0"), "line 10: \"x\" where y belongs"),
+        (two("3 1 0 0", "3 1 x 0"), "line 11: \"x\" where y belongs"),
         (two("3 1 0 0", "3 1 nan 0"), "node 3 has a coordinate"),
         (two("3 1 0 0", "10 1 0 0"), "two nodes have the number 10"),
         (two("3 1 0 0", "-3 1 0 0"), "-3 is no node's number"),

@@ -1,0 +1,118 @@
+//! Directions: strokes along which texture x runs \[LST 4.2, 4.4\].
+
+use glam::DVec3;
+use serde::Serialize;
+
+use super::canvas::Canvas;
+use super::place::Place;
+use super::problem::{PaintError, PaintProblem};
+use crate::exec::Exec;
+use crate::field::{
+    self, DepthField, DirectionError, DirectionParams, direction_field, sample, tet_gradients,
+};
+
+/// A stroke along which texture x runs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DirectionStroke {
+    /// What it is called in messages.
+    #[serde(skip)]
+    pub key: String,
+    /// Where it is.
+    pub place: Place,
+}
+
+/// A direction field, and where in space its strokes lie.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PaintedDirection {
+    /// A unit vector at each vertex.
+    pub field: Vec<DVec3>,
+    /// Strokes in space. A stroke may be several here, where it was drawn across a gap.
+    pub strokes: Vec<field::DirectionStroke>,
+}
+
+/// A direction nearer to the depth's gradient than this is none, in degrees.
+const TOO_NEAR_DEG: f64 = 5.0;
+
+impl Canvas<'_> {
+    /// Makes a field of direction strokes. With a depth field they spread along its layers. `key` is the table's
+    /// name in messages.
+    ///
+    /// # Errors
+    /// [`PaintError`] names what is wrong, by its key.
+    pub fn direction(
+        &self,
+        key: &str,
+        strokes: &[DirectionStroke],
+        params: &DirectionParams,
+        depth: Option<&DepthField>,
+        exec: &Exec,
+    ) -> Result<PaintedDirection, PaintError> {
+        let mut found = Vec::new();
+        let mut of = Vec::new();
+        for stroke in strokes {
+            let wrong = |problem| PaintError { key: stroke.key.clone(), problem };
+            exec.check().map_err(|e| wrong(e.into()))?;
+            let mut lines = self.lines(&stroke.place, depth.map(|d| d.values.as_slice())).map_err(wrong)?;
+            lines.retain(|line| line.iter().any(|p| *p != line[0]));
+            if lines.is_empty() {
+                return Err(wrong(PaintProblem::NoLength));
+            }
+            if depth.is_some_and(|depth| self.along_gradient(&lines, depth)) {
+                return Err(wrong(PaintProblem::AlongGradient { degrees: TOO_NEAR_DEG }));
+            }
+            of.extend(lines.iter().map(|_| stroke.key.as_str()));
+            found.extend(lines.into_iter().map(|points| field::DirectionStroke { points }));
+        }
+        let field = direction_field(self.mesh, &found, depth, params, exec).map_err(|e| match e {
+            DirectionError::StrokeMisses { stroke } => {
+                let (low, high) = self.mesh.bounds().unwrap_or_default();
+                PaintError::new(of[stroke], PaintProblem::PointsMiss { low, high })
+            }
+            DirectionError::Cancelled(c) => PaintError::new(key, c),
+            e => PaintError::new(key, PaintProblem::Direction(e)),
+        })?;
+        Ok(PaintedDirection { field, strokes: found })
+    }
+
+    /// One direction at every vertex.
+    ///
+    /// # Errors
+    /// [`PaintError`] where the depth rises along it nearly everywhere.
+    pub fn constant_direction(
+        &self,
+        key: &str,
+        direction: DVec3,
+        depth: Option<&DepthField>,
+    ) -> Result<Vec<DVec3>, PaintError> {
+        let unit = direction.normalize_or_zero();
+        if unit == DVec3::ZERO {
+            return Err(PaintError::new(key, PaintProblem::NoLength));
+        }
+        if let Some(depth) = depth {
+            let slopes = tet_gradients(self.mesh, &depth.values);
+            let rising = || slopes.iter().filter(|g| **g != DVec3::ZERO);
+            let along = rising().filter(|g| near(unit, **g)).count();
+            // A few tetrahedra, where what is painted meets, may always rise another way.
+            if along > 0 && along * 20 >= rising().count() * 19 {
+                return Err(PaintError::new(key, PaintProblem::AlongGradient { degrees: TOO_NEAR_DEG }));
+            }
+        }
+        Ok(vec![unit; self.mesh.vertices.len()])
+    }
+
+    /// Whether all tangents of some lines are those of the depth's gradient.
+    fn along_gradient(&self, lines: &[Vec<DVec3>], depth: &DepthField) -> bool {
+        let samples = lines.iter().flat_map(|line| sample(line, self.edge));
+        let mut rising = samples
+            .filter(|q| q.tangent != DVec3::ZERO)
+            .map(|q| (q.tangent, depth.gradient(q.point)))
+            .filter(|(_, g)| g.is_finite() && *g != DVec3::ZERO)
+            .peekable();
+        rising.peek().is_some() && rising.all(|(tangent, g)| near(tangent, g))
+    }
+}
+
+/// Whether a unit vector is along a gradient, either way.
+fn near(unit: DVec3, gradient: DVec3) -> bool {
+    unit.dot(gradient).abs() > TOO_NEAR_DEG.to_radians().cos() * gradient.length()
+}
