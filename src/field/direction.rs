@@ -138,11 +138,11 @@ pub fn direction_field(
     let smoother = Smoother::new(mesh, &graph, &weights, &pins, params.stiffness, 0.0, exec)?;
     let smooth = if params.line_field {
         let targets: Vec<[f64; 6]> = tangents.iter().map(|t| outer(*t)).collect();
-        let lines = smoother.solve(&targets, [0.0; 6]).into_iter().map(main_direction).collect::<Vec<_>>();
+        let lines = smoother.solve(&targets, [0.0; 6])?.into_iter().map(main_direction).collect::<Vec<_>>();
         agree_in_sign(&graph, &lines, &seeds)
     } else {
         let targets: Vec<[f64; 3]> = tangents.iter().map(DVec3::to_array).collect();
-        let vectors = smoother.solve(&targets, [0.0; 3]).into_iter().map(DVec3::from_array);
+        let vectors = smoother.solve(&targets, [0.0; 3])?.into_iter().map(DVec3::from_array);
         vectors.map(|r| (r.length() > SHORT).then(|| r.normalize())).collect()
     };
     exec.check()?;

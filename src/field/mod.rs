@@ -4,6 +4,7 @@
 //! [`scale_field`] spread strokes and local scales by Laplacian smoothing; [`FrameField`] puts them together
 //! to the paper's tensor field, and [`singularities`] finds where no texture can follow it.
 
+mod aggregate;
 mod depth;
 mod direction;
 mod eigen;
@@ -15,6 +16,7 @@ mod rbf;
 mod scale;
 mod singular;
 mod stroke;
+mod twolevel;
 
 pub(crate) use depth::strokes_that_count;
 pub use depth::{

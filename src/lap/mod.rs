@@ -1,5 +1,6 @@
 //! Lapping: filling a tetrahedral mesh with overlapping patches of solid texture \[LST 5.2\].
 
+mod assemble;
 mod clump;
 mod coverage;
 mod feather;

@@ -74,18 +74,19 @@ type Batch = (Vec<u8>, Vec<Slice>, Vec<u32>);
 impl Subdivision {
     /// All tetrahedra whole.
     pub(crate) fn new(mesh: &TetMesh) -> Self {
-        let part = |(t, vertices): (usize, &[u32; 4])| Part {
-            vertices: *vertices,
-            parent: index(t),
+        Self::of(mesh, &(0..index(mesh.tets.len())).collect::<Vec<_>>())
+    }
+
+    /// Some tetrahedra, all whole. An edge may be split only where all tetrahedra around it are among them.
+    pub(crate) fn of(mesh: &TetMesh, tets: &[u32]) -> Self {
+        let part = |&t: &u32| Part {
+            vertices: mesh.tets[t as usize],
+            parent: t,
             faces: [0, 1, 2, 3],
             weights: WHOLE,
         };
-        Self {
-            vertices: mesh.vertices.clone(),
-            splits: Vec::new(),
-            parts: mesh.tets.iter().enumerate().map(part).collect(),
-            weights: Vec::new(),
-        }
+        let parts = tets.iter().map(part).collect();
+        Self { vertices: mesh.vertices.clone(), splits: Vec::new(), parts, weights: Vec::new() }
     }
 
     /// Corners of a part.
@@ -105,12 +106,12 @@ impl Subdivision {
     /// returned by their places, sorted, each once.
     pub(crate) fn split(&mut self, splits: &[Split]) -> Result<Vec<u32>, Vec<u32>> {
         let old = self.vertices.len();
-        let mut touched = vec![false; old];
+        let mut marks = Marks::new(splits, old);
         let mut lengths = Vec::with_capacity(splits.len());
         for s in splits {
             let [a, b] = s.edge.map(|v| self.vertices[v as usize]);
             for v in s.edge {
-                touched[v as usize] = true;
+                marks.touched[v as usize] = true;
             }
             lengths.push((b - a).length_squared());
             self.vertices.push(a + (b - a) * s.t);
@@ -119,14 +120,10 @@ impl Subdivision {
         let hits: Vec<u32> = (0..index(this.parts.len()))
             .into_par_iter()
             .with_min_len(4096)
-            .filter(|&i| {
-                let part = &this.parts[i as usize];
-                let ends = part.vertices.iter().filter(|&&v| touched[v as usize]).count();
-                ends > 1 && marked(splits, part).1 > 0
-            })
+            .filter(|&i| marks.of(&this.parts[i as usize]).1 > 0)
             .collect();
         let batches: Vec<Batch> =
-            hits.par_chunks(256).map(|c| this.slice(c, splits, &lengths, old)).collect();
+            hits.par_chunks(256).map(|c| this.slice(c, &marks, &lengths, old)).collect();
         let mut bad: Vec<u32> = batches.iter().flat_map(|b| b.2.iter().copied()).collect();
         if !bad.is_empty() {
             self.vertices.truncate(old);
@@ -165,13 +162,14 @@ impl Subdivision {
         Ok(changed)
     }
 
-    fn slice(&self, hits: &[u32], splits: &[Split], lengths: &[f64], old: usize) -> Batch {
+    fn slice(&self, hits: &[u32], marks: &Marks<'_>, lengths: &[f64], old: usize) -> Batch {
         let mut counts = Vec::with_capacity(hits.len());
         let mut slices: Vec<Slice> = Vec::with_capacity(hits.len() * 5);
         let mut bad = Vec::new();
         for &i in hits {
             let part = &self.parts[i as usize];
-            let (mut list, n) = marked(splits, part);
+            let splits = marks.splits;
+            let (mut list, n) = marks.of(part);
             let list = &mut list[..n];
             let key = |s: u32| (splits[s as usize].rank, lengths[s as usize]);
             list.sort_unstable_by(|&a, &b| {
@@ -200,22 +198,53 @@ impl Subdivision {
     }
 }
 
-/// The splits on a part's edges, by their places, and how many they are.
-fn marked(splits: &[Split], part: &Part) -> ([u32; 6], usize) {
-    let (mut list, mut n) = ([0; 6], 0);
-    for edge in edges(part.vertices) {
-        if let Ok(at) = splits.binary_search_by_key(&edge, |s| s.edge) {
-            list[n] = index(at);
-            n += 1;
-        }
-    }
-    (list, n)
+/// Where the splits of a vertex's edges are found.
+struct Marks<'a> {
+    splits: &'a [Split],
+    /// Whether each vertex is an end of a split edge.
+    touched: Vec<bool>,
+    /// Where the splits begin whose first vertex is this one, and the end.
+    first: Vec<u32>,
 }
+
+impl<'a> Marks<'a> {
+    fn new(splits: &'a [Split], vertices: usize) -> Self {
+        let mut first = vec![0u32; vertices + 1];
+        for s in splits {
+            first[s.edge[0] as usize + 1] += 1;
+        }
+        for v in 0..vertices {
+            first[v + 1] += first[v];
+        }
+        Self { splits, touched: vec![false; vertices], first }
+    }
+
+    /// The splits on a part's edges, by their places, and how many they are.
+    fn of(&self, part: &Part) -> ([u32; 6], usize) {
+        let (mut list, mut n) = ([0; 6], 0);
+        let touched = part.vertices.map(|v| self.touched[v as usize]);
+        if touched.iter().filter(|t| **t).count() < 2 {
+            return (list, n);
+        }
+        for (edge, [i, j]) in edges(part.vertices).into_iter().zip(PAIRS) {
+            if touched[i] && touched[j] {
+                let mut range = self.first[edge[0] as usize]..self.first[edge[0] as usize + 1];
+                if let Some(at) = range.find(|&s| self.splits[s as usize].edge[1] == edge[1]) {
+                    list[n] = at;
+                    n += 1;
+                }
+            }
+        }
+        (list, n)
+    }
+}
+
+/// The edges of a tetrahedron by its local vertices.
+const PAIRS: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
 
 /// The six edges of a tetrahedron, the smaller vertex first.
 pub(crate) fn edges(v: [u32; 4]) -> [[u32; 2]; 6] {
-    [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]
-        .map(|[a, b]: [usize; 2]| [v[a].min(v[b]), v[a].max(v[b])])
+    PAIRS.map(|[a, b]| [v[a].min(v[b]), v[a].max(v[b])])
 }
 
 impl Slice {

@@ -307,6 +307,7 @@ pub fn tet_mesh(
     report.count("tetrahedra", mesh.tets.len());
     report.count("vertices", mesh.vertices.len());
     report.took("tetrahedralise", start);
+    report.spent("tetgen", made.tetgen_seconds);
     Ok((PartMesh { mesh, surface, wear }, report))
 }
 

@@ -66,6 +66,10 @@ pub struct TetReport {
     pub mesher: String,
     /// Runs of TetGen.
     pub runs: usize,
+    /// Wall-clock seconds of these runs, from the job to the answer. No part of the record: two equal runs
+    /// differ in it.
+    #[serde(skip)]
+    pub tetgen_seconds: f64,
     /// Why some of these runs failed.
     pub failures: Vec<String>,
     /// Triangles of the input.
