@@ -23,19 +23,11 @@ pub use depth::{
     DepthError, DepthField, DepthPaint, DepthParams, DepthReport, DepthStroke, PaintedFace, depth_field,
 };
 pub use direction::{DirectionError, DirectionParams, DirectionStroke, direction_field};
-<<<<<<< HEAD
 pub(crate) use frame::perpendicular;
 pub use frame::{Fields, FrameField};
-pub use gradient::tet_gradients;
-pub use rbf::{Kernel, Rbf, RbfError, RbfParams, RbfReport};
-pub use scale::{ScaleAt, ScaleError, scale_field};
-pub use singular::{FrameAxes, Singularities, singularities, singularities_of_vertices};
-pub(crate) use stroke::sample;
-=======
-pub use frame::{FrameError, FrameField, FrameLength, depth_lengths};
 pub(crate) use gradient::rising;
 pub use gradient::tet_gradients;
 pub use rbf::{Kernel, Rbf, RbfError, RbfParams, RbfReport};
 pub use scale::{ScaleAt, ScaleError, scale_field};
+pub use singular::{FrameAxes, Singularities, singularities, singularities_of_vertices};
 pub(crate) use stroke::{Sample, sample};
->>>>>>> paint
