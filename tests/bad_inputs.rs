@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use common::{Bench, ball};
 
-const EXTENSIONS: [&str; 6] = ["obj", "stl", "ply", "off", "glb", "gltf"];
+const EXTENSIONS: [&str; 8] = ["obj", "stl", "ply", "off", "glb", "gltf", "vtu", "msh"];
 
 /// Runs commands that must be refused, each within a time, and without any new file.
 fn refused(bench: &Bench, cases: &[(&str, i32, &[&str])]) {
@@ -111,6 +111,60 @@ fn mesh_files() {
 }
 
 #[test]
+fn files_of_tetrahedra() {
+    let bench = Bench::new();
+    bench.ok("tetrahedralise ball.obj --tets 300 -o whole.vtu");
+    let whole = String::from_utf8(bench.read("whole.vtu")).unwrap();
+    bench.file("cut.vtu", &whole[..whole.len() / 2]);
+    bench.file("tail.vtu", &whole[..whole.len() - 12]);
+    bench.file("lz4.vtu", whole.replace("ZLib", "LZ4"));
+    bench.file("poly.vtu", whole.replace("\"UnstructuredGrid\"", "\"PolyData\""));
+    bench.file("many.vtu", whole.replace("NumberOfPoints=\"", "NumberOfPoints=\"99999999"));
+    let cube = |kind: &str| {
+        format!(
+            "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\">\
+             <Points><DataArray type=\"Float32\">0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points><Cells>\
+             <DataArray type=\"Int32\" Name=\"connectivity\">0 1 2 3</DataArray><DataArray type=\"Int32\" \
+             Name=\"offsets\">4</DataArray><DataArray type=\"Int8\" Name=\"types\">{kind}</DataArray></Cells></Piece>\
+             </UnstructuredGrid></VTKFile>"
+        )
+    };
+    bench.file("hex.vtu", cube("12"));
+    bench.file("quad.vtu", cube("9"));
+    let msh = |version: &str, element: &str| {
+        format!(
+            "$MeshFormat\n{version} 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n\
+             $Elements\n1\n{element}\n$EndElements\n"
+        )
+    };
+    bench.file("one.msh", msh("1", "1 4 0 1 2 3 4"));
+    bench.file("forty.msh", msh("4.0", "1 4 0 1 2 3 4"));
+    bench.file("node.msh", msh("2.2", "1 4 0 1 2 3 5"));
+    bench.file("flat.msh", msh("2.2", "1 4 0 1 2 3 3"));
+    bench.file("many.msh", msh("2.2", "1 4 0 1 2 3 4").replace("$Nodes\n4", "$Nodes\n4000000000"));
+    bench.file("alone.node", "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n");
+    refused(
+        &bench,
+        &[
+            (&fill("cut.vtu"), 1, &["cut.vtu", "line"]),
+            (&fill("tail.vtu"), 1, &["tail.vtu", "ends early"]),
+            (&fill("lz4.vtu"), 1, &["lz4.vtu", "line 2", "LZ4", "zlib"]),
+            (&fill("poly.vtu"), 1, &["poly.vtu", "PolyData"]),
+            (&fill("many.vtu"), 1, &["many.vtu", "99999999"]),
+            (&fill("hex.vtu"), 1, &["hex.vtu", "cell 0", "hexahedron", "Tetrahedralize"]),
+            (&fill("quad.vtu"), 1, &["quad.vtu", "no tetrahedra", "lapis tetrahedralise"]),
+            (&fill("one.msh"), 1, &["one.msh", "line 2", "version 1", "gmsh"]),
+            (&fill("forty.msh"), 1, &["forty.msh", "version 4", "msh41"]),
+            (&fill("node.msh"), 1, &["node.msh", "line 13", "element 1", "node 5"]),
+            (&fill("flat.msh"), 1, &["flat.msh", "tetrahedron 0", "flat"]),
+            (&fill("many.msh"), 1, &["many.msh", "4000000000"]),
+            (&fill("alone.node"), 1, &["alone.ele"]),
+            ("tetrahedralise ball.obj -o t.msh", 2, &["t.msh", ".vtu"]),
+        ],
+    );
+}
+
+#[test]
 fn volumes_and_settings() {
     let bench = Bench::new();
     let header = |sizes: &str| {
@@ -205,7 +259,8 @@ fn models_strokes_and_outputs() {
             ("render m.lapis -o p.png --apart -1", 2, &["--apart"]),
             ("render m.lapis -o missing/p.png", 1, &["missing", "does not exist"]),
             ("render m.lapis -o file/p.png", 1, &["file"]),
-            ("export m.lapis -o m.stl", 2, &["m.stl", ".glb and .ply"]),
+            ("export m.lapis -o m.dae", 2, &["m.dae", ".glb, .obj, .ply, .stl, .vtu"]),
+            ("export m.lapis -o missing/m.obj", 1, &["missing", "does not exist"]),
             ("export m.lapis -o m.glb --atlas 100", 2, &["100"]),
             ("export m.lapis -o .", 2, &["formats"]),
             ("export m.lapis -o m.lapis", 2, &["formats"]),

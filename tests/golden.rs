@@ -81,3 +81,16 @@ fn a_cube_with_depth() {
     bench.ok("render pieces/piece-2.lapis --camera eye.toml --size 128 -o depth.png");
     compare("depth.png", &bench.read("depth.png"));
 }
+
+#[test]
+fn false_colours() {
+    let bench = filled("--type 2b --direction 0.3,0,1 --core 0,0,-0.3,0,0,0.3");
+    bench.ok("cut m.lapis --plane 0.5,-1,0,0 -o pieces");
+    bench.file("eye.toml", "[camera]\neye = [2.2, -4.4, 1]\ntarget = [0, 0, 0]\nfov_y_deg = 34\n");
+    for show in ["depth", "direction", "layers", "patches", "singularities"] {
+        bench.ok(&format!(
+            "render pieces/piece-2.lapis --camera eye.toml --size 208 --show {show} -o {show}.png"
+        ));
+        compare(&format!("show-{show}.png"), &bench.read(&format!("{show}.png")));
+    }
+}

@@ -148,7 +148,7 @@ fn what_cannot_be_kept_is_refused_with_a_remedy() {
     // The material file is missing; that is said as well.
     bench.file("lost.obj", cube("red").replace("cube.mtl", "gone.mtl"));
     bench.run(&fill("lost.obj")).refused(1, &["keep_look", "lost.obj", "gone.mtl", "'red'"]);
-    let noted = bench.ok(&fill("lost.obj").replace(" --keep-look", "")).err();
+    let noted = bench.ok(&fill("lost.obj").replace("--keep-look -o out.lapis", "-o lost.lapis")).err();
     assert!(noted.contains("note: the materials gone.mtl"), "{noted}");
     // So is a picture; the material's colour is still a look.
     bench.file("cube.mtl", "newmtl red\nKd 1 0 0\nmap_Kd gone.png\n");

@@ -121,6 +121,79 @@ fn a_failed_run_changes_nothing() {
     assert_eq!(bench.names(), before);
 }
 
+/// Tables that paint a field which rises by ½ over a unit of length along `axis`.
+fn painted(table: &str, axis: usize) -> String {
+    let mut text = String::new();
+    for (value, depth) in [(-0.8, 0.1), (0.8, 0.9)] {
+        let corners = [[-0.5, -0.3], [0.5, -0.3], [0.5, 0.3], [-0.5, 0.3]].map(|c| {
+            let mut p = [c[0], c[0], c[0]];
+            p[axis] = value;
+            p[(axis + 2) % 3] = c[1];
+            p
+        });
+        text += &format!("[[{table}.stroke]]\ndepth = {depth}\npoints = {corners:?}\n");
+    }
+    text
+}
+
+#[test]
+fn every_texture_type_has_a_project() {
+    let bench = Bench::new();
+    let core = "[depth]\nskin = 0\n[[depth.stroke]]\ndepth = 1\npoints = [[0, 0, -0.4], [0, 0, 0.4]]\n";
+    let direction = "[direction]\nconstant = [0, 0, 1]\n";
+    let scale = "[scale]\neverywhere = 0.8\n";
+    let two = painted("depth", 1) + &painted("along", 0);
+    for (kind, inputs) in [
+        ("0", scale.to_owned()),
+        ("1a", format!("{direction}{scale}")),
+        ("1b", core.to_owned()),
+        ("2a", format!("{core}{direction}{scale}")),
+        ("2b", format!("{core}{direction}")),
+        ("2c", format!("{two}{scale}")),
+        ("2d", two.clone() + &painted("across", 2)),
+    ] {
+        let file = format!(
+            "name = \"ball\"\npicture = []\n[mesh]\nfile = \"ball.obj\"\ntets = 400\n[texture]\n\
+             volume = \"volume.nrrd\"\ntype = \"{kind}\"\n{inputs}[export]\nformats = []\n"
+        );
+        bench.file("p.toml", file);
+        let report = bench.ok("run p.toml --json").json();
+        let (counts, measures) = (&report["counts"], &report["measures"]);
+        assert_eq!(
+            (&measures["depth_error"], &counts["uncovered"]),
+            (&0.0.into(), &0.into()),
+            "{kind} {report}"
+        );
+        assert_eq!(measures["inverted"], 0, "{kind}");
+        // Only frames that run around an axis are singular.
+        assert_eq!(counts["singular_edges"] != 0, ["1b", "2a", "2b"].contains(&kind), "{kind} {counts}");
+        if kind == "2d" {
+            assert_eq!((&counts["patches"], &measures["layers_mean"]), (&1.into(), &1.0.into()));
+        }
+    }
+}
+
+#[test]
+fn tetrahedra_at_singularities_are_refined() {
+    let bench = bench();
+    let counts = |file: String| {
+        bench.file("p.toml", file.replace("name = \"ball\"", "name = \"ball\"\npicture = []"));
+        bench.ok("run p.toml --json").json()
+    };
+    let whole = PROJECT.split("[[cut]]").next().unwrap().to_owned();
+    let plain = counts(whole.clone());
+    let finer = counts(whole.replace("tets = 300", "tets = 300\nrefine_singular = 1"));
+    let number = |c: &serde_json::Value, key: &str| c["counts"][key].as_u64().unwrap();
+    assert!(number(&plain, "singular_edges") > 0 && number(&plain, "singularities") > 0, "{plain}");
+    assert!(
+        number(&finer, "tetrahedra") > number(&plain, "tetrahedra") + 7 * number(&plain, "singular_tets")
+    );
+    assert!(number(&finer, "singular_edges") > number(&plain, "singular_edges"));
+    assert_eq!((&finer["measures"]["uncovered"], &finer["measures"]["inverted"]), (&0.into(), &0.into()));
+    bench.file("p.toml", whole.replace("tets = 300", "tets = 300\nrefine_singular = 99"));
+    bench.run("run p.toml").refused(1, &["refine_singular is 99", "0 to 6"]);
+}
+
 #[test]
 fn wrong_files_are_told_what_is_wrong() {
     let bench = bench();
@@ -202,6 +275,9 @@ fn the_guide_has_every_key() {
         ("[[depth.face]]", "face."),
         ("[[depth.stroke]]", "stroke."),
         ("[depth.fit]", "fit."),
+        ("[along]", ""),
+        ("[[along.stroke]]", "stroke."),
+        ("[across]", ""),
         ("[direction]", ""),
         ("[[direction.stroke]]", "stroke."),
         ("[direction.smooth]", "smooth."),

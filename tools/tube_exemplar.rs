@@ -139,8 +139,11 @@ impl Stem {
         }
         let tone = self.cells[own][0] + 0.4 * noise(p, [6, 24, 24], 1);
         let cell = mix(srgb(236, 219, 170), srgb(216, 193, 138), tone);
-        let pith = mix(srgb(190, 160, 104), cell, step(0.03, 0.22, second - first));
-        mix(pith, srgb(238, 222, 174), 0.4 * step(0.3, 0.9, noise(p, [8, 28, 28], 2)))
+        let pith = mix(srgb(198, 170, 116), cell, step(0.03, 0.22, second - first));
+        // Single fibres run through it everywhere, pale and brown.
+        let fibre = noise(p, [2, 27, 27], 2) + 0.4 * noise(p, [5, 31, 31], 6);
+        let pith = mix(pith, srgb(244, 230, 186), 0.5 * step(0.3, 0.9, -fibre));
+        mix(pith, srgb(134, 88, 44), 0.7 * step(0.15, 0.7, fibre))
     }
 
     fn with_cord(&self, p: [f64; 3], cord: &Cord, place: [f64; 2], under: Paint) -> Paint {
@@ -162,7 +165,7 @@ impl Stem {
         let inside = mix(fibre, ground, step(0.80, 0.70, inner));
         let phloem = mix(srgb(150, 142, 74), srgb(112, 100, 50), 0.5 + 0.7 * noise(p, [9, 31, 31], 5));
         let inside = mix(inside, phloem, step(0.30, 0.22, (a - 0.40).hypot(b * 0.75)));
-        let lumen = srgb(34, 20, 12);
+        let lumen = srgb(46, 27, 15);
         let wall = srgb(232, 200, 136);
         // The plates between a vessel's cells are thin and pale.
         let plate = step(0.035, 0.015, around(3.0 * (p[0] - cord.joint)).abs() / 3.0);

@@ -12,11 +12,11 @@ use glam::DVec3;
 use lapis::mesh::TriMesh;
 
 /// The angle through which it is bent, in degrees, and the radius of the bend.
-const BEND: (f64, f64) = (80.0, 55.0);
+const BEND: (f64, f64) = (85.0, 58.0);
 /// The wall, outside and inside: radius, vertices around, rings along less one. So few are the project's
 /// tetrahedra that every triangle of the surface counts.
-const OUTSIDE: (f64, u32, u32) = (24.0, 20, 6);
-const INSIDE: (f64, u32, u32) = (12.0, 13, 4);
+const OUTSIDE: (f64, u32, u32) = (24.0, 20, 7);
+const INSIDE: (f64, u32, u32) = (11.5, 12, 4);
 
 fn main() -> ExitCode {
     let mut mesh = TriMesh::default();

@@ -163,15 +163,15 @@ fn skin(p: [f64; 3]) -> Paint {
     let at = |dx: f64, dz: f64| [p[0] + dx, 0.0, p[2] + dz];
     let warp = |stream| noise(p, [7, 1, 7], stream) + 0.5 * noise(p, [14, 1, 14], stream + 1);
     let bent = at(0.034 * warp(10), 0.034 * warp(12));
-    let band = noise(bent, [6, 1, 6], 14) + 0.35 * noise(bent, [10, 1, 10], 15);
-    let fray = 0.20 * noise(p, [17, 1, 17], 16) + 0.16 * noise(p, [27, 1, 27], 17);
+    let band = noise(bent, [5, 1, 5], 14) + 0.4 * noise(bent, [9, 1, 9], 15);
+    let fray = 0.20 * noise(p, [14, 1, 14], 16) + 0.09 * noise(p, [22, 1, 22], 17);
     let vein = (noise(bent, [11, 1, 11], 18) + 0.25 * noise(p, [22, 1, 22], 19)).abs();
     let speck = noise(p, [26, 1, 26], 20);
 
     let pale = mix(srgb(140, 172, 86), srgb(172, 198, 118), 0.5 + 0.6 * speck);
     let pale = mix(pale, srgb(66, 112, 52), 0.6 * step(0.20, 0.04, vein));
     let dark = mix(srgb(16, 48, 24), srgb(34, 76, 34), 0.5 + 0.6 * speck);
-    mix(pale, dark, step(-0.14, 0.12, 0.20 + fray - band.abs()))
+    mix(pale, dark, step(-0.22, 0.18, 0.20 + fray - band.abs()))
 }
 
 const WHITE: LinearRgba = [1.0; 4];

@@ -7,7 +7,10 @@ use lapis::field::DepthParams;
 use lapis::lap::{FillParams, TextureType};
 use lapis::mesh::TetParams;
 use lapis::paint::{DepthPaint, DepthStroke, Place};
-use lapis::project::{DepthInput, DirectionInput, OutputFile, Part, PartError, ScaleInput, fill_part};
+use lapis::project::{
+    DepthInput, DirectionInput, MAX_REFINE_SINGULAR, MadePart, OutputFile, Part, PartError, ScaleInput,
+    fill_part,
+};
 
 use super::failure::Failure;
 use super::options::{Session, Shared};
@@ -43,6 +46,9 @@ pub(crate) struct Args {
     keep_look: bool,
     #[command(flatten)]
     tets: TetParams,
+    /// Refine the tetrahedra at singularities of the frames so often; each level halves their edges
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=i64::from(MAX_REFINE_SINGULAR)))]
+    refine_singular: u32,
     #[command(flatten)]
     fill: FillParams,
     #[command(flatten)]
@@ -69,6 +75,7 @@ impl Args {
         Part {
             mesh: self.mesh,
             tets: self.tets,
+            refine_singular: self.refine_singular,
             keep_look: self.keep_look,
             volume: self.texture,
             kind: self.kind,
@@ -97,7 +104,7 @@ pub(crate) fn main(args: Args) -> Result<(), Failure> {
             return Err(Failure::usage(format!("--{option} {value}: it must be {range}")));
         }
         let output = OutputFile::check(&output, shared.force)?;
-        let (solid, mut report) =
+        let MadePart { solid, mut report, .. } =
             fill_part(&part, shared.seed.unwrap_or(0), &Session::mesher(), session.exec())?;
         session.exec().check()?;
         output.write(&solid.to_bytes())?;

@@ -5,6 +5,7 @@ mod export;
 mod failure;
 mod fill;
 mod info;
+mod new;
 mod options;
 mod progress;
 mod render;
@@ -32,6 +33,8 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Makes a small project to start from, with comments
+    New(new::Args),
     /// Does all that a project file asks for: fill, cut, render, export
     Run(run::Args),
     /// Fills a mesh with tetrahedra
@@ -56,7 +59,7 @@ enum Command {
     },
 }
 
-const AFTER_HELP: &str = "Start with: lapis run meshes/kiwi.toml";
+const AFTER_HELP: &str = "Start with: lapis new fruit && lapis run fruit/fruit.toml";
 
 #[cfg(feature = "tetgen")]
 const LONG_VERSION: &str = concat!(
@@ -117,6 +120,7 @@ pub(crate) fn main() -> ExitCode {
 
 fn dispatch(command: Command) -> Result<ExitCode, Failure> {
     match command {
+        Command::New(args) => new::main(&args),
         Command::Run(args) => run::main(&args),
         Command::Tetrahedralise(args) => tetrahedralise::main(&args),
         Command::Fill(args) => fill::main(args),

@@ -1,31 +1,46 @@
 //! `lapis render`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
-use lapis::project::{OutputFile, Report, apart};
-use lapis::render::{PictureSize, RenderParams, frame_all, render};
+use glam::DVec3;
+use lapis::lap::{LappedSolid, Look, bare};
+use lapis::mesh::{MESH_EXTENSIONS, TetParams};
+use lapis::project::{
+    MadePart, Model, Models, OutputFile, PartMesh, Project, Report, apart, fill_part, is_tet_file,
+    painted_part, tet_mesh,
+};
+use lapis::render::{Mark, PictureSize, RenderParams, Show, frame_all, frame_all_from, render_marked};
 use lapis::view::read_camera;
 
 use super::failure::Failure;
-use super::options::Shared;
+use super::options::{Session, Shared};
 use super::read_model;
+use super::values;
 
 /// `lapis render MODEL … -o PICTURE.png`
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The filled models
-    #[arg(value_name = "MODEL.lapis", required = true)]
+    /// Filled models; or one project file, drawn as it is painted; or one mesh, to draw strokes over
+    #[arg(value_name = "MODEL.lapis|PROJECT.toml|MESH", required = true)]
     models: Vec<PathBuf>,
     /// The picture
     #[arg(long, short, value_name = "PICTURE.png")]
     output: PathBuf,
+    /// Of a project: a piece CUT/N, or all pieces of CUT, instead of the whole; may be given again
+    #[arg(long, value_name = "CUT/N")]
+    piece: Vec<String>,
     /// Width and height in pixels [default: 1024x1024, or 1024 high with the camera's aspect]
     #[arg(long, value_name = "WxH")]
     size: Option<PictureSize>,
     /// A camera file (TOML, a table [camera]); left out, the camera frames the models
     #[arg(long, value_name = "FILE")]
     camera: Option<PathBuf>,
+    /// Without a camera: the direction from which one frames the models [default: 0.8,-1,0.55]
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::direction, allow_hyphen_values = true,
+          conflicts_with = "camera")]
+    from: Option<DVec3>,
     /// Moves the models apart: at 1 their centres are twice as far from the common centre
     #[arg(long, value_name = "FACTOR", default_value_t = 0.0)]
     apart: f64,
@@ -59,15 +74,15 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         params.validate().map_err(|e| Failure::usage(e.to_string()))?;
         let output = OutputFile::check(&args.output, args.shared.force)?;
 
-        let mut report = Report::default();
-        let start = Instant::now();
-        let solids = args.models.iter().map(|p| read_model(p)).collect::<Result<Vec<_>, _>>()?;
-        report.took("read", start);
+        let Subject { solids, marks, mut report } = subject(args, params.show, session)?;
         let start = Instant::now();
         let placed = apart(&solids.iter().collect::<Vec<_>>(), args.apart);
         let aspect = f64::from(params.width) / f64::from(params.height);
-        let camera = camera.unwrap_or_else(|| frame_all(&placed, aspect));
-        let picture = render(&placed, &camera, &params, session.exec())
+        let camera = camera.unwrap_or_else(|| match args.from {
+            Some(from) => frame_all_from(&placed, aspect, from),
+            None => frame_all(&placed, aspect),
+        });
+        let picture = render_marked(&placed, &marks, &camera, &params, session.exec())
             .map_err(Failure::because("cannot draw the picture"))?;
         report.took("render", start);
         session.exec().check()?;
@@ -78,4 +93,80 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         report.count("height", params.height as usize);
         session.finish(report)
     })
+}
+
+/// What is drawn.
+struct Subject {
+    solids: Vec<LappedSolid>,
+    marks: Vec<Mark>,
+    report: Report,
+}
+
+/// Reads the models, or makes those of a project or a mesh.
+fn subject(args: &Args, show: Show, session: &Session) -> Result<Subject, Failure> {
+    let is_toml = |p: &PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    let made = args.models.iter().find(|p| is_toml(p) || is_mesh(p));
+    if !args.piece.is_empty() && !args.models.iter().all(is_toml) {
+        return Err(Failure::usage("--piece names a piece of a project's cuts: give a project file"));
+    }
+    match made {
+        Some(path) if args.models.len() > 1 => Err(Failure::usage(format!(
+            "{} is drawn alone: give one project file, or one mesh, or any number of .lapis models",
+            path.display()
+        ))),
+        Some(path) if is_toml(path) => project(path, args, show, session),
+        Some(path) => mesh(path, show, session),
+        None => {
+            let mut report = Report::default();
+            let start = Instant::now();
+            let solids = args.models.iter().map(|p| read_model(p)).collect::<Result<Vec<_>, _>>()?;
+            report.took("read", start);
+            Ok(Subject { solids, marks: Vec::new(), report })
+        }
+    }
+}
+
+fn is_mesh(path: &PathBuf) -> bool {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+    MESH_EXTENSIONS.contains(&extension.as_str()) || is_tet_file(path)
+}
+
+/// A project: filled where the picture shows how it is lapped, else as it is painted.
+fn project(path: &Path, args: &Args, show: Show, session: &Session) -> Result<Subject, Failure> {
+    let exec = session.exec();
+    let project = Project::read(path)?;
+    let what = "cannot draw the picture";
+    show.check(project.part.kind).map_err(Failure::because(what))?;
+    let pieces: Vec<Model> =
+        args.piece.iter().map(|word| project.model("--piece", word)).collect::<Result<_, _>>()?;
+    let seed = args.shared.seed.unwrap_or(project.seed);
+    let MadePart { solid: whole, marks, mut report } = if show.needs_fill() {
+        fill_part(&project.part, seed, &Session::mesher(), exec)?
+    } else {
+        painted_part(&project.part, &Session::mesher(), exec)?
+    };
+    let solids = if pieces.is_empty() {
+        vec![whole]
+    } else {
+        let (models, cuts) = Models::cut(&project, whole, exec)?;
+        report.join(cuts);
+        models.shown(&pieces, || "--piece".to_owned())?.into_iter().cloned().collect()
+    };
+    Ok(Subject { solids, marks, report })
+}
+
+/// A mesh with nothing painted on it.
+fn mesh(path: &Path, show: Show, session: &Session) -> Result<Subject, Failure> {
+    if show != Show::Texture {
+        return Err(Failure::usage(format!(
+            "--show {show}: nothing is painted on a mesh; write a project file that names it (lapis new shows one)"
+        )));
+    }
+    let params = TetParams { keep_surface: true, ..TetParams::default() };
+    let (PartMesh { mesh, surface, wear }, report) =
+        tet_mesh(path, &params, &Session::mesher(), session.exec())?;
+    // A mesh that wears nothing is drawn plain.
+    let look = Look::new(surface, &wear).ok().map(Arc::new);
+    let solid = LappedSolid { look, ..bare(mesh) };
+    Ok(Subject { solids: vec![solid], marks: Vec::new(), report })
 }

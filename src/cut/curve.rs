@@ -141,7 +141,12 @@ impl Curve {
     /// Which side of the curve's sheet a point is on: outside the polygon or within. Exact for the
     /// point as it is seen.
     pub(super) fn positive(&self, p: DVec3) -> bool {
-        !self.encloses(self.see(p).0)
+        self.positive_seen(self.see(p).0)
+    }
+
+    /// The same for the place where it is seen.
+    pub(super) fn positive_seen(&self, seen: DVec2) -> bool {
+        !self.encloses(seen)
     }
 
     fn encloses(&self, p: DVec2) -> bool {
@@ -161,7 +166,11 @@ impl Curve {
 
     /// Whether the curve may pass through what is seen of a tetrahedron.
     pub(super) fn near(&self, corners: [DVec3; 4]) -> bool {
-        let seen = corners.map(|p| self.see(p).0);
+        self.near_seen(corners.map(|p| self.see(p).0))
+    }
+
+    /// The same for the places where its corners are seen.
+    pub(super) fn near_seen(&self, seen: [DVec2; 4]) -> bool {
         let (lo, hi) = box_of(&seen);
         (self.slabs.of(lo.y)..=self.slabs.of(hi.y)).any(|slab| {
             self.slabs.at(slab).iter().any(|&k| {

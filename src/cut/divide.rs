@@ -3,24 +3,33 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::curve::{Crossing, Curve};
-use super::subdivide::{INNER, Part, Split, Subdivision, WHOLE, edges};
+use super::connect::{Connected, join_chips};
+use super::curve::Crossing;
+use super::reach::Reach;
 use super::{CutError, Sheet};
 use crate::exec::Exec;
-use crate::mesh::{NONE, TET_FACES, TetMesh, index};
+use crate::mesh::subdivide::{INNER, Part, Split, Subdivision, WHOLE, edges};
+use crate::mesh::{Buckets, NONE, TET_FACES, TetMesh, index};
 
 /// An edge that is crossed nearer to a vertex than this part of its length would leave slivers: the cut is
 /// led through the vertex instead.
 pub(super) const SNAP: f64 = 1e-3;
 
-/// A mesh divided by a sheet.
+/// A mesh divided by a sheet, as cells: those numbered below the number of its tetrahedra are the whole
+/// tetrahedra out of reach, the others the parts of those in reach.
 pub(super) struct Divided {
     /// The parts, in the order of the tetrahedra that they are parts of.
     pub(super) parts: Subdivision,
-    /// The part across the face opposite each vertex, or [`NONE`].
+    /// Which tetrahedra may have been divided.
+    reach: Reach,
+    /// Where the parts of each tetrahedron in reach begin, and the end.
+    first: Vec<u32>,
+    /// The cell across the face opposite each vertex of the parts, or [`NONE`].
     pub(super) neighbours: Vec<[u32; 4]>,
     /// Which side of the sheet each part lies on.
     pub(super) positive: Vec<bool>,
+    /// And each whole tetrahedron: 1 or -1; 0 for those in reach.
+    pub(super) whole: Vec<i8>,
     /// What hangs together on one side.
     pub(super) connected: Connected,
     /// Vertices that the cut was led through.
@@ -28,65 +37,87 @@ pub(super) struct Divided {
 }
 
 impl Divided {
-    /// The side on which all parts lie, if they lie on one.
-    pub(super) fn one_side(&self) -> Option<bool> {
-        let first = *self.positive.first()?;
-        self.positive.iter().all(|&p| p == first).then_some(first)
+    /// The side on which all cells lie, if they lie on one.
+    pub(super) fn one_side(&self, mesh: &TetMesh) -> Option<bool> {
+        debug_assert_eq!(self.whole.len(), mesh.tets.len());
+        let first = self.side(self.cells().next()?);
+        self.cells().all(|cell| self.side(cell) == first).then_some(first)
     }
-}
 
-/// The connected components of both sides.
-pub(super) struct Connected {
-    /// How many there are.
-    pub(super) count: usize,
-    /// The component of each part; they are numbered by their first parts.
-    pub(super) of: Vec<u32>,
-}
+    /// All cells, in the order of the tetrahedra that they are parts of.
+    pub(super) fn cells(&self) -> impl Iterator<Item = u32> {
+        let tets = index(self.whole.len());
+        (0..tets).flat_map(move |t| match self.reach.place[t as usize] {
+            NONE => t..t + 1,
+            n => tets + self.first[n as usize]..tets + self.first[n as usize + 1],
+        })
+    }
 
-impl Connected {
-    fn new(neighbours: &[[u32; 4]], positive: &[bool]) -> Self {
-        let mut of = vec![NONE; positive.len()];
-        let mut count = 0;
-        let mut stack = Vec::new();
-        for start in 0..of.len() {
-            if of[start] != NONE {
-                continue;
-            }
-            of[start] = index(count);
-            stack.push(start);
-            while let Some(i) = stack.pop() {
-                for &across in neighbours[i].iter().filter(|&&n| n != NONE) {
-                    let across = across as usize;
-                    if of[across] == NONE && positive[across] == positive[i] {
-                        of[across] = index(count);
-                        stack.push(across);
-                    }
-                }
-            }
-            count += 1;
+    /// The part that a cell is, if it is none of the whole tetrahedra.
+    pub(super) fn part(&self, cell: u32) -> Option<usize> {
+        (cell as usize).checked_sub(self.whole.len())
+    }
+
+    /// Which side of the sheet a cell lies on.
+    pub(super) fn side(&self, cell: u32) -> bool {
+        match self.part(cell) {
+            None => self.whole[cell as usize] > 0,
+            Some(i) => self.positive[i],
         }
-        Self { count, of }
+    }
+
+    /// A cell's vertices.
+    pub(super) fn vertices(&self, mesh: &TetMesh, cell: u32) -> [u32; 4] {
+        match self.part(cell) {
+            None => mesh.tets[cell as usize],
+            Some(i) => self.parts.parts[i].vertices,
+        }
+    }
+
+    /// A cell's corners.
+    pub(super) fn corners(&self, mesh: &TetMesh, cell: u32) -> [DVec3; 4] {
+        self.vertices(mesh, cell).map(|v| self.parts.vertices[v as usize])
+    }
+
+    /// The cells across a cell's faces, or [`NONE`].
+    pub(super) fn beside(&self, mesh: &TetMesh, cell: u32) -> [u32; 4] {
+        match self.part(cell) {
+            None => mesh.neighbours[cell as usize].map(|n| self.across(mesh, cell, n)),
+            Some(i) => self.neighbours[i],
+        }
+    }
+
+    /// The cell of tetrahedron `n` (or [`NONE`]) that lies beside the whole tetrahedron `t`.
+    pub(super) fn across(&self, mesh: &TetMesh, t: u32, n: u32) -> u32 {
+        if n == NONE || self.whole[n as usize] != 0 {
+            return n;
+        }
+        // The face between them is whole, since t is.
+        let face = mesh.neighbours[n as usize].iter().position(|o| *o == t).unwrap_or(0) as u8;
+        let place = self.reach.place[n as usize] as usize;
+        let (from, to) = (self.first[place] as usize, self.first[place + 1] as usize);
+        let found = (from..to).find(|&i| self.parts.parts[i].faces.contains(&face));
+        index(self.whole.len() + found.unwrap_or(from))
     }
 }
 
 /// Divides the parts of `mesh` along the sheet.
 pub(super) fn divide(
     mut parts: Subdivision,
+    mut reach: Reach,
     sheet: &Sheet,
     tolerance: f64,
     mesh: &TetMesh,
     exec: &Exec,
 ) -> Result<Divided, CutError> {
-    let mut sides: Vec<i8> = parts
-        .vertices
-        .par_iter()
-        .with_min_len(1024)
-        .map(|&p| if sheet.positive(p) { 1 } else { -1 })
-        .collect();
+    let mut sides = std::mem::take(&mut reach.sides);
+    let new = &parts.vertices[sides.len()..];
+    sides.par_extend(new.par_iter().with_min_len(1024).map(|&p| if sheet.positive(p) { 1 } else { -1 }));
     exec.check()?;
     let crossed = crossed(&parts, &sides, sheet, tolerance);
     let mut on_sheet = snapped(&crossed, sides.len(), sheet, tolerance);
     let mut splits: Vec<Split> = crossed.into_iter().map(|(s, _)| s).collect();
+    splits.retain(|s| reach.holds(s.edge));
     loop {
         exec.check()?;
         splits.retain(|s| s.edge.iter().all(|&v| !on_sheet[v as usize]));
@@ -99,7 +130,7 @@ pub(super) fn divide(
         }
     }
     let most = u32::MAX as usize / 4;
-    if parts.parts.len() > most || parts.vertices.len() > most {
+    if parts.parts.len() + mesh.tets.len() > most || parts.vertices.len() > most {
         return Err(CutError::TooLarge("vertices or tetrahedra"));
     }
     let mut snapped = 0;
@@ -108,18 +139,19 @@ pub(super) fn divide(
         snapped += 1;
     }
     sides.resize(parts.vertices.len(), 0);
-    let first = in_order(&mut parts, mesh.tets.len());
-    let neighbours = neighbours(&parts.parts, &first, mesh);
-    let mut positive = sides_of_parts(&parts, &neighbours, &sides, sheet);
-    let mut connected = Connected::new(&neighbours, &positive);
+    let first = in_order(&mut parts, &reach);
+    let neighbours = neighbours(&parts, &reach, &first, mesh);
+    let whole = sides_of_tets(&reach, &sides, mesh);
+    let positive = sides_of_parts(&parts, &neighbours, &sides, &whole, sheet);
+    let connected = Connected::default();
+    let mut divided = Divided { parts, reach, first, neighbours, positive, whole, connected, snapped };
+    divided.connected = Connected::new(&divided, mesh);
     if let Sheet::Screen(curve) = sheet {
-        while connected.count > 1
-            && join_chips(&parts, &neighbours, &connected, curve, tolerance, &mut positive)
-        {
-            connected = Connected::new(&neighbours, &positive);
+        while divided.connected.count > 1 && join_chips(&mut divided, mesh, curve, tolerance) {
+            divided.connected = Connected::new(&divided, mesh);
         }
     }
-    Ok(Divided { parts, neighbours, positive, connected, snapped })
+    Ok(divided)
 }
 
 /// A crossed edge, and what a curve makes of the crossing.
@@ -181,20 +213,21 @@ fn snapped(crossed: &[Crossed], vertices: usize, sheet: &Sheet, tolerance: f64) 
     on_sheet
 }
 
-/// Sorts the parts by their parents, else as they came about; the parts of tetrahedron t are then
-/// `first[t]..first[t + 1]`.
-fn in_order(parts: &mut Subdivision, tets: usize) -> Vec<u32> {
-    let mut first = vec![0u32; tets + 1];
+/// Sorts the parts by their parents, else as they came about; the parts of the n-th tetrahedron in reach are then
+/// `first[n]..first[n + 1]`.
+fn in_order(parts: &mut Subdivision, reach: &Reach) -> Vec<u32> {
+    let place = |part: &Part| reach.place[part.parent as usize] as usize;
+    let mut first = vec![0u32; reach.tets.len() + 1];
     for part in &parts.parts {
-        first[part.parent as usize + 1] += 1;
+        first[place(part) + 1] += 1;
     }
-    for t in 0..tets {
-        first[t + 1] += first[t];
+    for n in 0..reach.tets.len() {
+        first[n + 1] += first[n];
     }
     let mut next = first.clone();
     let mut sorted = parts.parts.clone();
     for part in &parts.parts {
-        let at = &mut next[part.parent as usize];
+        let at = &mut next[place(part)];
         sorted[*at as usize] = *part;
         *at += 1;
     }
@@ -202,12 +235,12 @@ fn in_order(parts: &mut Subdivision, tets: usize) -> Vec<u32> {
     first
 }
 
-/// The part across each face. Whole tetrahedra keep theirs; only what was divided is matched anew.
-fn neighbours(parts: &[Part], first: &[u32], mesh: &TetMesh) -> Vec<[u32; 4]> {
-    let whole = |t: u32| parts[first[t as usize] as usize].weights == WHOLE;
-    let mut result = vec![[NONE; 4]; parts.len()];
-    let mut sides: Vec<([u32; 3], u32)> = Vec::new();
-    for (i, part) in parts.iter().enumerate() {
+/// The cell across each face of the parts. Whole tetrahedra keep theirs; only what was divided is matched anew.
+fn neighbours(parts: &Subdivision, reach: &Reach, first: &[u32], mesh: &TetMesh) -> Vec<[u32; 4]> {
+    let tets = index(mesh.tets.len());
+    let mut result = vec![[NONE; 4]; parts.parts.len()];
+    let mut sides: Vec<(u32, [u32; 3])> = Vec::new();
+    for (i, part) in parts.parts.iter().enumerate() {
         for k in 0..4 {
             let face = part.faces[k];
             if face != INNER {
@@ -215,28 +248,57 @@ fn neighbours(parts: &[Part], first: &[u32], mesh: &TetMesh) -> Vec<[u32; 4]> {
                 if across == NONE {
                     continue;
                 }
-                if part.weights == WHOLE && whole(across) {
-                    result[i][k] = first[across as usize];
+                let place = reach.place[across as usize];
+                if place == NONE {
+                    result[i][k] = across;
+                    continue;
+                }
+                let there = first[place as usize];
+                if part.weights == WHOLE && parts.parts[there as usize].weights == WHOLE {
+                    result[i][k] = tets + there;
                     continue;
                 }
             }
             let mut key = TET_FACES[k].map(|j| part.vertices[j]);
             key.sort_unstable();
-            sides.push((key, index(4 * i + k)));
+            sides.push((key[0], [key[1], key[2], index(4 * i + k)]));
         }
     }
-    sides.par_sort_unstable();
-    for pair in sides.windows(2).filter(|p| p[0].0 == p[1].0) {
-        let [(_, a), (_, b)] = [pair[0], pair[1]];
-        result[a as usize / 4][a as usize % 4] = b / 4;
-        result[b as usize / 4][b as usize % 4] = a / 4;
+    let mut sides = Buckets::new(sides.iter().copied());
+    for v in 0..sides.len() {
+        for pair in sides.sorted(v).windows(2).filter(|p| p[0][..2] == p[1][..2]) {
+            let [a, b] = [pair[0][2], pair[1][2]];
+            result[a as usize / 4][a as usize % 4] = tets + b / 4;
+            result[b as usize / 4][b as usize % 4] = tets + a / 4;
+        }
     }
     result
 }
 
+/// The side of each whole tetrahedron; 0 for those in reach.
+fn sides_of_tets(reach: &Reach, sides: &[i8], mesh: &TetMesh) -> Vec<i8> {
+    let side = |(tet, place): (&[u32; 4], &u32)| {
+        if *place != NONE {
+            return 0;
+        }
+        // At most one of its vertices is one that the cut may have been led through.
+        match sides[tet[0] as usize] {
+            0 => sides[tet[1] as usize],
+            side => side,
+        }
+    };
+    mesh.tets.par_iter().zip(&reach.place).with_min_len(4096).map(side).collect()
+}
+
 /// The side of each part: that of its vertices. A part with all four vertices on the sheet, a sliver, goes to
 /// the side with which it shares the larger area, so that it never is a piece of its own.
-fn sides_of_parts(parts: &Subdivision, neighbours: &[[u32; 4]], sides: &[i8], sheet: &Sheet) -> Vec<bool> {
+fn sides_of_parts(
+    parts: &Subdivision,
+    neighbours: &[[u32; 4]],
+    sides: &[i8],
+    whole: &[i8],
+    sheet: &Sheet,
+) -> Vec<bool> {
     let mut result: Vec<i8> = parts
         .parts
         .iter()
@@ -250,9 +312,16 @@ fn sides_of_parts(parts: &Subdivision, neighbours: &[[u32; 4]], sides: &[i8], sh
             let mut area = [0.0; 2];
             for (k, face) in TET_FACES.iter().enumerate() {
                 let across = neighbours[i][k];
-                if across != NONE && result[across as usize] != 0 {
+                if across == NONE {
+                    continue;
+                }
+                let side = match (across as usize).checked_sub(whole.len()) {
+                    Some(other) => result[other],
+                    None => whole[across as usize],
+                };
+                if side != 0 {
                     let [a, b, c] = face.map(|j| corners[j]);
-                    area[usize::from(result[across as usize] > 0)] += (b - a).cross(c - a).length();
+                    area[usize::from(side > 0)] += (b - a).cross(c - a).length();
                 }
             }
             if area == [0.0; 2] {
@@ -270,31 +339,4 @@ fn sides_of_parts(parts: &Subdivision, neighbours: &[[u32; 4]], sides: &[i8], sh
         }
     }
     result.into_iter().map(|s| s > 0).collect()
-}
-
-/// A component that nowhere leaves the stroke by more than the tolerance is a chip, such as a stroke leaves
-/// where it grazes the outline of the model: it joins the other side. Whether there was one.
-fn join_chips(
-    parts: &Subdivision,
-    neighbours: &[[u32; 4]],
-    connected: &Connected,
-    curve: &Curve,
-    tolerance: f64,
-    positive: &mut [bool],
-) -> bool {
-    let mut chip = vec![true; connected.count];
-    for (part, &c) in parts.parts.iter().zip(&connected.of) {
-        let chip = &mut chip[c as usize];
-        *chip = *chip && parts.corners(part).iter().all(|&p| curve.within(p, tolerance));
-    }
-    // A chip with nothing but chips around it stays.
-    let mut joins = vec![false; connected.count];
-    for (i, &c) in connected.of.iter().enumerate().filter(|(_, c)| chip[**c as usize]) {
-        let other = |&&n: &&u32| n != NONE && !chip[connected.of[n as usize] as usize];
-        joins[c as usize] |= neighbours[i].iter().any(|n| other(&n));
-    }
-    for (positive, &c) in positive.iter_mut().zip(&connected.of) {
-        *positive ^= joins[c as usize];
-    }
-    joins.contains(&true)
 }

@@ -1,6 +1,7 @@
 //! Cutting a lapped solid along a stroke or a plane into pieces that are whole lapped solids \[LST 5.1.1\].
 //!
-//! A cut goes through four steps, a file each:
+//! Most of a large model lies out of the sheet's reach (`reach`) and is only handed on. The rest goes through
+//! four steps, a file each:
 //!
 //! 1. `curve`: the stroke becomes a curve that divides the screen in two; a point of the model is on the one
 //!    side or the other of the sheet that this curve sweeps along the view. Sides are exact, so there are no
@@ -11,17 +12,18 @@
 //!    bisected first, until marching them follows the curve.
 //! 3. `divide`: every crossed edge is split once, at the sheet; what would leave a sliver is snapped to the
 //!    vertex. Each tetrahedron then lies on one side.
-//! 4. `pieces`: what hangs together on one side becomes a lapped solid of its own.
+//! 4. `pieces`: what hangs together on one side (`connect`) becomes a lapped solid of its own.
 //!
-//! Both 2 and 3 split edges in one order that holds for the whole mesh (`subdivide`), so that the
+//! Both 2 and 3 split edges in one order that holds for the whole mesh (`mesh::subdivide`), so that the
 //! tetrahedra on both sides of a face always divide it alike, and none can be turned inside out.
 
+mod connect;
 mod curve;
 mod divide;
 mod pieces;
+mod reach;
 mod refine;
 mod slabs;
-mod subdivide;
 #[cfg(test)]
 mod tests;
 
@@ -31,9 +33,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::exec::{Cancelled, Exec};
 use crate::lap::LappedSolid;
+use crate::mesh::subdivide::Subdivision;
 use crate::view::{Camera, CameraError, Stroke, StrokeError};
 use curve::{Crossing, Curve};
-use subdivide::Subdivision;
+use reach::Reach;
 
 /// What to cut along.
 #[derive(Debug, Clone, PartialEq)]
@@ -237,21 +240,22 @@ fn cut_here(
         return Err(CutError::EmptyModel);
     }
     let mut report = CutReport::default();
-    let mut parts = Subdivision::new(&solid.mesh);
     let sheet = Sheet::new(solid, surface)?;
+    let reach = Reach::new(&solid.mesh, &sheet);
+    let mut parts = Subdivision::of(&solid.mesh, &reach.tets);
     stage.at(1);
     if let Sheet::Screen(curve) = &sheet {
         if !(params.tolerance >= 1e-6 && params.tolerance.is_finite()) {
             return Err(CutError::BadTolerance(params.tolerance));
         }
-        report.unresolved = refine::refine(&mut parts, curve, params.tolerance, exec)?;
+        report.unresolved = refine::refine(&mut parts, &reach, curve, params.tolerance, exec)?;
     }
     report.vertices_refined = parts.vertices.len() - solid.mesh.vertices.len();
     stage.at(2);
-    let divided = divide::divide(parts, &sheet, params.tolerance, &solid.mesh, exec)?;
+    let divided = divide::divide(parts, reach, &sheet, params.tolerance, &solid.mesh, exec)?;
     report.vertices_cut = divided.parts.vertices.len() - solid.mesh.vertices.len() - report.vertices_refined;
     report.vertices_snapped = divided.snapped;
-    if let Some(positive) = divided.one_side() {
+    if let Some(positive) = divided.one_side(&solid.mesh) {
         return Err(sheet.missed(solid, positive));
     }
     stage.at(3);

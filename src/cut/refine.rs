@@ -4,9 +4,10 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::curve::{Crossing, Curve};
-use super::subdivide::{Part, Split, Subdivision, edges};
+use super::reach::Reach;
 use crate::exec::{Cancelled, Exec};
 use crate::mesh::TET_FACES;
+use crate::mesh::subdivide::{Part, Split, Subdivision, edges};
 use crate::view::turn;
 
 /// Rounds of bisection at most. Each halves what is too long, so a few suffice for any drawn stroke.
@@ -35,11 +36,13 @@ enum Meets {
 /// Returns the number of edges and faces that were given up, when there would be too many tetrahedra.
 pub(super) fn refine(
     parts: &mut Subdivision,
+    reach: &Reach,
     curve: &Curve,
     tolerance: f64,
     exec: &Exec,
 ) -> Result<usize, Cancelled> {
-    let most = 4 * parts.parts.len() + 20_000;
+    let whole = reach.place.len() - reach.tets.len();
+    let most = 4 * reach.place.len() + 20_000;
     let mut given_up: Vec<[u32; 2]> = Vec::new();
     let mut active: Vec<u32> = (0..parts.parts.len() as u32).collect();
     for round in 0.. {
@@ -47,14 +50,19 @@ pub(super) fn refine(
         active = active
             .into_par_iter()
             .with_min_len(1024)
-            .filter(|&i| curve.near(parts.corners(&parts.parts[i as usize])))
+            .filter(|&i| {
+                let part = &parts.parts[i as usize];
+                // What the curve does not pass through has no parts that it does, whatever rounding says.
+                let place = reach.place[part.parent as usize];
+                reach.near[place as usize] && curve.near(parts.corners(part))
+            })
             .collect();
         let mut splits = wanted(parts, curve, tolerance, &active);
-        splits.retain(|s| given_up.binary_search(&s.edge).is_err());
+        splits.retain(|s| reach.holds(s.edge) && given_up.binary_search(&s.edge).is_err());
         if splits.is_empty() {
             break;
         }
-        if round == ROUNDS || parts.parts.len() > most {
+        if round == ROUNDS || parts.parts.len() + whole > most {
             return Ok(given_up.len() + splits.len());
         }
         active = loop {

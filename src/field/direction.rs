@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::depth::DepthField;
 use super::eigen::{eigen, outer};
-use super::frame::perpendicular;
+use super::frame::turned;
 use super::gradient::vertex_slopes;
 use super::graph::Graph;
 use super::laplacian::{Pin, SmoothError, Smoother, weights};
@@ -138,11 +138,11 @@ pub fn direction_field(
     let smoother = Smoother::new(mesh, &graph, &weights, &pins, params.stiffness, 0.0, exec)?;
     let smooth = if params.line_field {
         let targets: Vec<[f64; 6]> = tangents.iter().map(|t| outer(*t)).collect();
-        let lines = smoother.solve(&targets, [0.0; 6]).into_iter().map(main_direction).collect::<Vec<_>>();
+        let lines = smoother.solve(&targets, [0.0; 6])?.into_iter().map(main_direction).collect::<Vec<_>>();
         agree_in_sign(&graph, &lines, &seeds)
     } else {
         let targets: Vec<[f64; 3]> = tangents.iter().map(DVec3::to_array).collect();
-        let vectors = smoother.solve(&targets, [0.0; 3]).into_iter().map(DVec3::from_array);
+        let vectors = smoother.solve(&targets, [0.0; 3])?.into_iter().map(DVec3::from_array);
         vectors.map(|r| (r.length() > SHORT).then(|| r.normalize())).collect()
     };
     exec.check()?;
@@ -161,7 +161,7 @@ pub fn direction_field(
     };
     let field: Vec<Option<DVec3>> =
         smooth.into_iter().enumerate().map(|(v, r)| r.and_then(|r| across(v, r))).collect();
-    Ok(graph.fill_gaps(&field, across, |v| axes[v].map_or(DVec3::X, perpendicular)))
+    Ok(graph.fill_gaps(&field, across, |v| axes[v].map_or(DVec3::X, |s| turned(DVec3::Y, s, DVec3::X))))
 }
 
 fn check(

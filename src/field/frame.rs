@@ -1,227 +1,383 @@
-//! Frames at the vertices (the paper's tensor field) \[LST 5.2.2, 5.2.7\].
+//! Frames (the paper's tensor field) from the fields that steer a fill \[LST 5.2.2, 5.2.7\].
 
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
-use super::depth::DepthField;
-use super::gradient::{Slope, vertex_slopes};
-use super::graph::Graph;
+use super::gradient::tet_gradients;
+use super::singular::{FrameAxes, Singularities, singularities};
 use crate::mesh::TetMesh;
 
-/// What the length of the frames' vectors comes from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum FrameLength<'a> {
-    /// The world length of one texture unit at each vertex: types 0, 1a, 2a and 2c.
-    Scale(&'a [f64]),
-    /// 1/|∇depth| \[LST 5.2.7\]: types 1b, 2b and 2d. See [`depth_lengths`].
-    Depth,
+/// The fields that steer a fill: values at the vertices of the mesh. Each texture type draws on its own; the
+/// others must be `None`.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Fields {
+    /// Depth, 0 outside to 1 innermost.
+    pub depth: Option<Vec<f64>>,
+    /// Unit vectors along texture x.
+    pub direction: Option<Vec<DVec3>>,
+    /// World length of one unit of texture.
+    pub scale: Option<Vec<f64>>,
+    /// Texture x itself, 0 to 1.
+    pub along: Option<Vec<f64>>,
+    /// Texture z itself, 0 to 1.
+    pub across: Option<Vec<f64>>,
 }
 
-/// Three orthogonal vectors R, S, T = R × S of one length at each vertex. Their length is the world length
-/// that one unit of texture space covers.
+/// Orthogonal vectors R, S and T = R × S in each tetrahedron, as far as fields fix them: unit axes and the world
+/// lengths that one unit of texture covers along them.
+///
+/// S is the direction in which the depth rises; R the given direction, or that in which the field `along` rises,
+/// made orthogonal to S. What no field fixes is drawn by each patch.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameField {
-    /// Rows R, S, T at each vertex.
-    pub frames: Vec<[DVec3; 3]>,
+    /// Unit R in each tetrahedron; empty where neither a direction nor `along` is given.
+    pub r: Vec<DVec3>,
+    /// Unit S in each tetrahedron; empty where no depth is given.
+    pub s: Vec<DVec3>,
+    /// World length of one unit of texture along the axes whose coordinate is solved for, in each tetrahedron.
+    pub length: Vec<f64>,
+    /// The same along each axis whose coordinate is given: exactly 1/|∇coordinate|. Empty for the others.
+    given_length: [Vec<f64>; 3],
 }
 
-/// Why there is no frame field.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum FrameError {
-    /// A field belongs to another mesh.
-    #[error("the {field} has {count} values, but the mesh has {vertices} vertices")]
-    Length {
-        /// Which field.
-        field: &'static str,
-        /// Its values.
-        count: usize,
-        /// Vertices of the mesh.
-        vertices: usize,
-    },
-    /// The length should come from the depth, but there is none.
-    #[error("the texture's scale is to follow the depth, but there is no depth field")]
-    NoDepth,
-}
+/// Lengths 1/|∇depth| beyond this many medians are cut: the gradient vanishes on the innermost set.
+const LONGEST: f64 = 3.0;
+const SHORTEST: f64 = 1.0 / 4.0;
+
+/// The most that a frame may turn over one unit of texture, in radians.
+const TURN: f64 = 2.0;
+/// The least length, in medians, that is left where frames turn fast.
+const LEAST: f64 = 0.3;
 
 impl FrameField {
-    /// Completes what is known to frames.
+    /// The frames that `fields` make. `given` says which of the texture's coordinates x, y, z *are* the fields
+    /// `along`, `depth` and `across`.
     ///
-    /// S is the direction in which the depth rises, R the given direction made orthogonal to it. On the
-    /// innermost set, where the depth rises every way, R stays and S is made orthogonal to it. A
-    /// direction that is not given is turned from the texture's axis by the smallest rotation: smooth but
-    /// for the places where none can be.
-    ///
-    /// # Errors
-    /// [`FrameError`].
-    pub fn new(
-        mesh: &TetMesh,
-        direction: Option<&[DVec3]>,
-        depth: Option<&DepthField>,
-        length: FrameLength<'_>,
-    ) -> Result<Self, FrameError> {
-        let vertices = mesh.vertices.len();
-        let check = |field: &'static str, count: usize| {
-            if count == vertices { Ok(()) } else { Err(FrameError::Length { field, count, vertices }) }
+    /// # Panics
+    /// Where a field has fewer values than the mesh has vertices.
+    #[must_use]
+    pub fn new(mesh: &TetMesh, fields: &Fields, given: [bool; 3]) -> Self {
+        let tets = mesh.tets.len();
+        let [along, depth, across] =
+            [&fields.along, &fields.depth, &fields.across].map(|f| f.as_ref().map(|f| Rise::new(mesh, f)));
+        // Where no scale is given it follows from the coordinate that is given last: z, else the depth.
+        let length: Vec<f64> = match (&fields.scale, across.as_ref().or(depth.as_ref())) {
+            (Some(scale), _) => (0..tets).map(|t| mean(mesh, scale, t)).collect(),
+            (None, Some(rise)) => rise.steady_lengths(mesh),
+            (None, None) => vec![1.0; tets],
         };
-        check("direction field", direction.map_or(vertices, <[DVec3]>::len))?;
-        check("depth field", depth.map_or(vertices, |d| d.values.len()))?;
-        let slopes = depth.map(|d| vertex_slopes(mesh, &d.values));
-        let lengths = match (length, &slopes) {
-            (FrameLength::Scale(scale), _) => {
-                check("scale field", scale.len())?;
-                scale.to_vec()
-            }
-            (FrameLength::Depth, Some(slopes)) => clamped(slopes.iter().map(|s| s.steepness).collect()),
-            (FrameLength::Depth, None) => return Err(FrameError::NoDepth),
+        let s: Vec<DVec3> = depth.as_ref().map_or_else(Vec::new, |d| d.axes(mesh));
+        let wanted: Vec<DVec3> = match (&fields.direction, &along) {
+            (Some(direction), _) => (mesh.tets.iter())
+                .map(|tet| {
+                    let sum: DVec3 = tet.iter().map(|&v| direction[v as usize]).sum();
+                    sum.try_normalize().unwrap_or(direction[tet[0] as usize])
+                })
+                .collect(),
+            (None, Some(along)) => along.axes(mesh),
+            (None, None) => Vec::new(),
         };
-        let known: Option<Vec<Option<DVec3>>> = slopes.map(|slopes| slopes.iter().map(Slope::axis).collect());
-        // Without R, gaps in S are filled from around; with R, S is what R leaves free.
-        let axes = match (known, direction) {
-            (Some(axes), None) => {
-                let filled = Graph::new(mesh).fill_gaps(&axes, |_, s| s.try_normalize(), |_| DVec3::Y);
-                Some(filled.into_iter().map(Some).collect())
-            }
-            (axes, _) => axes,
-        };
-        let frames = (0..vertices)
-            .map(|v| {
-                let s: Option<DVec3> = axes.as_ref().and_then(|axes: &Vec<Option<DVec3>>| axes[v]);
-                let [r, s] = match (direction.map(|d| d[v]), s) {
-                    (Some(r), Some(s)) => [across(r, s).unwrap_or_else(|| perpendicular(s)), s],
-                    (Some(r), None) => {
-                        let r = r.try_normalize().unwrap_or(DVec3::X);
-                        [r, turned(DVec3::X, r, DVec3::Y)]
-                    }
-                    (None, Some(s)) => [perpendicular(s), s],
-                    (None, None) => [DVec3::X, DVec3::Y],
-                };
-                [r, s, r.cross(s)].map(|a| a * lengths[v])
+        let across_s = |(t, r): (usize, DVec3)| s.get(t).map_or(r, |s| perpendicular(r, *s));
+        let r = wanted.into_iter().enumerate().map(across_s).collect();
+        let mut rises = [along, depth, across].into_iter().zip(given);
+        let given_length = std::array::from_fn(|_| match rises.next() {
+            Some((Some(rise), true)) => rise.lengths(mesh),
+            _ => Vec::new(),
+        });
+        let mut frames = Self { r, s, length, given_length };
+        if given[1] && !given[0] {
+            frames.shorten_where_turning(mesh);
+        }
+        frames
+    }
+
+    /// Where the frames turn fast (around a fruit's axis, at its poles) a patch of the scale that the depth
+    /// gives would wrap around what it should follow. There R and T are shortened, so that one unit of texture
+    /// turns by at most [`TURN`], down to [`LEAST`] of the median length.
+    fn shorten_where_turning(&mut self, mesh: &TetMesh) {
+        let frames = self.at_vertices(mesh);
+        let mut sorted = self.length.clone();
+        sorted.sort_by(f64::total_cmp);
+        let least = sorted[sorted.len() / 2] * LEAST;
+        let shortened: Vec<DVec3> = (0..mesh.tets.len())
+            .map(|t| {
+                let gradients = mesh.gradients(t);
+                let mut rate = 0.0f64;
+                let axes: &[usize] = if self.r.is_empty() { &[1] } else { &[0, 1] };
+                for &axis in axes {
+                    // The derivative of the unit axis; its norm is the fastest turn, in radians a length.
+                    let d = gradients.iter().zip(mesh.tets[t]).fold(DMat3::ZERO, |sum, (g, v)| {
+                        let unit = frames[v as usize][axis].normalize_or_zero();
+                        sum + DMat3::from_cols(unit * g.x, unit * g.y, unit * g.z)
+                    });
+                    rate = rate.max(largest_stretch(&d));
+                }
+                let length = self.length[t];
+                DVec3::new((TURN / rate.max(f64::MIN_POSITIVE)).min(length).max(least.min(length)), 0.0, 0.0)
             })
             .collect();
-        Ok(Self { frames })
+        let smooth = vertex_means(mesh, &shortened);
+        for (length, tet) in self.length.iter_mut().zip(&mesh.tets) {
+            *length = tet.iter().map(|&v| smooth[v as usize].x).sum::<f64>() / 4.0;
+        }
+    }
+
+    /// Frames at the vertices, for the record: R, S, T with their lengths, means over the tetrahedra around,
+    /// made orthogonal again. What no field fixes is turned from the texture's axis by the smallest rotation:
+    /// smooth but for the places where none can be.
+    #[must_use]
+    pub fn at_vertices(&self, mesh: &TetMesh) -> Vec<[DVec3; 3]> {
+        let count = mesh.vertices.len();
+        let mut sums = vec![(DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, 0.0); count];
+        for t in 0..mesh.tets.len() {
+            let volume = mesh.tet_volume(t);
+            for &v in &mesh.tets[t] {
+                let sum = &mut sums[v as usize];
+                sum.0 += self.r.get(t).copied().unwrap_or_default() * volume;
+                sum.1 += self.s.get(t).copied().unwrap_or_default() * volume;
+                sum.2 += self.lengths(t) * volume;
+                sum.3 += volume;
+            }
+        }
+        sums.into_iter()
+            .map(|(r, s, lengths, weight)| {
+                let lengths = if weight > 0.0 { lengths / weight } else { DVec3::ONE };
+                let (r, s) = match (r.try_normalize(), s.try_normalize()) {
+                    (Some(r), Some(s)) => (perpendicular(r, s), s),
+                    (Some(r), None) => (r, turned(DVec3::X, r, DVec3::Y)),
+                    (None, Some(s)) => (turned(DVec3::Y, s, DVec3::X), s),
+                    (None, None) => (DVec3::X, DVec3::Y),
+                };
+                [r * lengths.x, s * lengths.y, r.cross(s) * lengths.z]
+            })
+            .collect()
+    }
+
+    /// Unit T in each tetrahedron of a type that has R and S.
+    #[must_use]
+    pub(crate) fn thirds(&self) -> Vec<DVec3> {
+        self.r.iter().zip(&self.s).map(|(r, s)| r.cross(*s)).collect()
+    }
+
+    /// How many coordinates are solved for.
+    #[must_use]
+    pub(crate) fn free_axes(&self) -> usize {
+        self.given_length.iter().filter(|l| l.is_empty()).count()
+    }
+
+    /// World lengths of one unit of texture along R, S and T in tetrahedron `t`.
+    #[must_use]
+    pub fn lengths(&self, t: usize) -> DVec3 {
+        DVec3::from_array(self.given_length.each_ref().map(|l| l.get(t).copied().unwrap_or(self.length[t])))
+    }
+
+    /// Its singularities; none where no axis is fixed. With `line_field` R has no sense.
+    #[must_use]
+    pub fn singularities(&self, mesh: &TetMesh, line_field: bool) -> Singularities {
+        let axes = match (self.r.is_empty(), self.s.is_empty()) {
+            (true, true) => return Singularities::default(),
+            (true, false) => FrameAxes::S,
+            (false, true) if line_field => FrameAxes::Line,
+            (false, true) => FrameAxes::R,
+            (false, false) if line_field => FrameAxes::Lines,
+            (false, false) => FrameAxes::All,
+        };
+        let axis = |axes: &[DVec3], t: usize| axes.get(t).copied().unwrap_or_default();
+        let frames: Vec<[DVec3; 3]> = (0..mesh.tets.len())
+            .map(|t| {
+                let (r, s) = (axis(&self.r, t), axis(&self.s, t));
+                [r, s, r.cross(s)]
+            })
+            .collect();
+        singularities(mesh, &frames, axes)
     }
 }
 
-/// The length of one texture unit in each tetrahedron of a depth-varying type: 1/|∇depth|, at most four
-/// times and at least a quarter of the median over the tetrahedra, because the gradient vanishes on the
-/// innermost set.
-#[must_use]
-pub fn depth_lengths(gradients: &[DVec3]) -> Vec<f64> {
-    clamped(gradients.iter().map(|g| g.length()).collect())
+/// How a field rises over the mesh.
+struct Rise {
+    /// Its gradient in each tetrahedron.
+    slopes: Vec<DVec3>,
+    /// Means of it at the vertices.
+    smooth: Vec<DVec3>,
 }
 
-/// Reciprocals, clamped to four times the median either way.
-fn clamped(steepness: Vec<f64>) -> Vec<f64> {
-    let mut sorted: Vec<f64> = steepness.iter().copied().filter(|s| *s > 0.0).collect();
-    if sorted.is_empty() {
-        return vec![1.0; steepness.len()];
+impl Rise {
+    fn new(mesh: &TetMesh, field: &[f64]) -> Self {
+        let slopes = tet_gradients(mesh, field);
+        let smooth = vertex_means(mesh, &slopes);
+        Self { slopes, smooth }
     }
-    let middle = sorted.len() / 2;
-    let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
-    steepness.into_iter().map(|s| 1.0 / s.clamp(median / 4.0, median * 4.0)).collect()
+
+    /// The direction in which it rises in each tetrahedron. A flat one borrows its neighbourhood's.
+    fn axes(&self, mesh: &TetMesh) -> Vec<DVec3> {
+        (self.slopes.iter().zip(&mesh.tets))
+            .map(|(slope, tet)| {
+                let around: DVec3 = tet.iter().map(|&v| self.smooth[v as usize]).sum();
+                let flat = slope.length() <= 1e-6 * around.length();
+                let best = if flat { around } else { *slope };
+                best.try_normalize().unwrap_or(DVec3::Y)
+            })
+            .collect()
+    }
+
+    /// A world length of one unit in each tetrahedron: 1/|∇| of the neighbourhood, cut where it is far from
+    /// the median.
+    fn steady_lengths(&self, mesh: &TetMesh) -> Vec<f64> {
+        let sizes: Vec<f64> = self.smooth.iter().map(|s| s.length()).collect();
+        let means: Vec<f64> = (0..mesh.tets.len()).map(|t| mean(mesh, &sizes, t)).collect();
+        let mut sorted = means.clone();
+        sorted.sort_by(f64::total_cmp);
+        let median = sorted[sorted.len() / 2].max(f64::MIN_POSITIVE);
+        means.iter().map(|m| 1.0 / m.clamp(median / LONGEST, median / SHORTEST)).collect()
+    }
+
+    /// 1/|∇| in each tetrahedron; where it is flat, the steady length.
+    fn lengths(&self, mesh: &TetMesh) -> Vec<f64> {
+        (self.slopes.iter().zip(self.steady_lengths(mesh)))
+            .map(|(slope, steady)| {
+                let own = slope.length();
+                if own * steady > 1e-9 { 1.0 / own } else { steady }
+            })
+            .collect()
+    }
 }
 
-/// The part of `r` across the unit vector `s`, as a unit vector; `None` where there is next to none.
-fn across(r: DVec3, s: DVec3) -> Option<DVec3> {
-    let rest = r - s * r.dot(s);
-    (rest.length() > 1e-6 * r.length()).then(|| (rest - s * rest.dot(s)).normalize())
-}
-
-/// A unit vector across the unit vector `s`: X, turned as the smallest rotation turns Y to `s`.
-pub(crate) fn perpendicular(s: DVec3) -> DVec3 {
-    turned(DVec3::Y, s, DVec3::X)
+/// The mean of a field in tetrahedron `t`.
+fn mean(mesh: &TetMesh, values: &[f64], t: usize) -> f64 {
+    mesh.tets[t].iter().map(|&v| values[v as usize]).sum::<f64>() / 4.0
 }
 
 /// `what`, which is orthogonal to `from`, turned by the smallest rotation that takes `from` to `to`.
-fn turned(from: DVec3, to: DVec3, what: DVec3) -> DVec3 {
-    let r = DQuat::from_rotation_arc(from, to) * what;
-    across(r, to).unwrap_or_else(|| to.any_orthonormal_vector())
+pub(crate) fn turned(from: DVec3, to: DVec3, what: DVec3) -> DVec3 {
+    perpendicular(DQuat::from_rotation_arc(from, to) * what, to)
+}
+
+/// The unit vector nearest to `v` that is perpendicular to the unit vector `axis`; any such where `v` is
+/// along it.
+pub(crate) fn perpendicular(v: DVec3, axis: DVec3) -> DVec3 {
+    (v - axis * v.dot(axis)).try_normalize().unwrap_or_else(|| axis.any_orthonormal_vector())
+}
+
+/// The largest singular value of a matrix, by power iteration on its normal equations.
+fn largest_stretch(m: &DMat3) -> f64 {
+    let square = m.transpose() * *m;
+    let mut v = DVec3::new(0.6, 0.5, 0.62);
+    for _ in 0..24 {
+        let next = square * v;
+        match next.try_normalize() {
+            Some(n) => v = n,
+            None => return 0.0,
+        }
+    }
+    (m.mul_vec3(v)).length()
+}
+
+/// Volume-weighted means at the vertices of a vector per tetrahedron.
+fn vertex_means(mesh: &TetMesh, values: &[DVec3]) -> Vec<DVec3> {
+    let mut sum = vec![DVec3::ZERO; mesh.vertices.len()];
+    let mut weight = vec![0.0; mesh.vertices.len()];
+    for (t, value) in values.iter().enumerate() {
+        let volume = mesh.tet_volume(t);
+        for &v in &mesh.tets[t] {
+            sum[v as usize] += *value * volume;
+            weight[v as usize] += volume;
+        }
+    }
+    sum.iter().zip(weight).map(|(s, w)| if w > 0.0 { *s / w } else { DVec3::ZERO }).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exec::Exec;
-    use crate::field::{DepthPaint, DepthParams, DepthStroke, depth_field};
-    use crate::mesh::shapes::{ball, grid};
-
-    fn depth(mesh: &TetMesh) -> DepthField {
-        let dot = DepthStroke { points: vec![DVec3::ZERO], depth: 1.0 };
-        let paint = DepthPaint { skin: Some(0.0), strokes: vec![dot], ..DepthPaint::default() };
-        depth_field(mesh, &paint, &DepthParams::default(), &Exec::default()).unwrap()
-    }
+    use crate::mesh::shapes::ball;
 
     fn orthogonal(frames: &[[DVec3; 3]]) -> bool {
         frames.iter().all(|[r, s, t]| {
-            let size = r.length();
-            [s.length(), t.length()].iter().all(|l| (l - size).abs() < 1e-9 * size)
-                && r.dot(*s).abs() < 1e-9 * size * size
-                && (r.cross(*s) - *t * size).length() < 1e-9 * size * size
+            let [a, b] = [r.normalize(), s.normalize()];
+            a.dot(b).abs() < 1e-9 && (a.cross(b) - t.normalize()).length() < 1e-9
         })
+    }
+
+    fn fields(mesh: &TetMesh) -> Fields {
+        Fields {
+            depth: Some(mesh.vertices.iter().map(|p| 1.0 - p.length().min(1.0)).collect()),
+            direction: Some(
+                mesh.vertices.iter().map(|p| (DVec3::Z + 0.5 * p.cross(DVec3::X)).normalize()).collect(),
+            ),
+            scale: Some(mesh.vertices.iter().map(|p| 0.3 + 0.1 * p.x).collect()),
+            ..Fields::default()
+        }
     }
 
     #[test]
     fn frames_are_orthogonal_and_as_long_as_asked() {
         let mesh = ball(1, 4);
-        let depth = depth(&mesh);
-        let direction: Vec<DVec3> =
-            mesh.vertices.iter().map(|p| (DVec3::Z + 0.5 * p.cross(DVec3::X)).normalize()).collect();
-        let scale: Vec<f64> = mesh.vertices.iter().map(|p| 0.3 + 0.1 * p.x).collect();
-        for direction in [None, Some(direction.as_slice())] {
-            for depth in [None, Some(&depth)] {
-                let length = FrameLength::Scale(&scale);
-                let field = FrameField::new(&mesh, direction, depth, length).unwrap();
-                assert!(orthogonal(&field.frames));
-                assert!(field.frames.iter().zip(&scale).all(|(f, s)| (f[0].length() - s).abs() < 1e-12));
+        let all = fields(&mesh);
+        for (direction, depth) in [(true, true), (true, false), (false, true), (false, false)] {
+            let some = Fields {
+                depth: all.depth.clone().filter(|_| depth),
+                direction: all.direction.clone().filter(|_| direction),
+                ..all.clone()
+            };
+            let field = FrameField::new(&mesh, &some, [false; 3]);
+            assert_eq!((field.r.is_empty(), field.s.is_empty()), (!direction, !depth));
+            let frames = field.at_vertices(&mesh);
+            assert!(orthogonal(&frames));
+            for (f, s) in frames.iter().zip(all.scale.as_ref().unwrap()) {
+                // A mean over the tetrahedra around.
+                assert!(f.iter().all(|a| (a.length() - s).abs() < 0.03), "{f:?} {s}");
             }
         }
-        let field = FrameField::new(&mesh, Some(&direction), None, FrameLength::Scale(&scale)).unwrap();
-        assert!(field.frames.iter().zip(&direction).all(|(f, d)| f[0].normalize().dot(*d) > 1.0 - 1e-12));
-        let plain = FrameField::new(&mesh, None, None, FrameLength::Scale(&scale)).unwrap();
-        assert!(plain.frames[3][0].normalize() == DVec3::X && plain.frames[3][1].normalize() == DVec3::Y);
+        let plain = Fields { depth: None, direction: None, ..all };
+        let frame = FrameField::new(&mesh, &plain, [false; 3]).at_vertices(&mesh)[3];
+        assert!((frame[0].normalize() - DVec3::X).length() < 1e-12);
+        assert!((frame[1].normalize() - DVec3::Y).length() < 1e-12);
     }
 
     #[test]
     fn s_is_the_way_inwards_and_its_length_one_over_the_gradient() {
         let mesh = ball(2, 5);
-        let depth = depth(&mesh);
-        let field = FrameField::new(&mesh, None, Some(&depth), FrameLength::Depth).unwrap();
-        assert!(orthogonal(&field.frames));
-        for (p, [_, s, _]) in mesh.vertices.iter().zip(&field.frames).skip(1) {
-            assert!(s.normalize().dot(-p.normalize()) > 0.9, "{p} {s}");
-            if (0.3..0.9).contains(&p.length()) {
-                let expected = 1.0 / depth.gradient(*p).length();
-                assert!((s.length() / expected - 1.0).abs() < 0.35, "{p}: {} {expected}", s.length());
-            }
+        let depth = fields(&mesh).depth;
+        let some = Fields { depth, ..Fields::default() };
+        let field = FrameField::new(&mesh, &some, [false, true, false]);
+        let slopes = tet_gradients(&mesh, some.depth.as_ref().unwrap());
+        for (t, slope) in slopes.iter().enumerate() {
+            assert!((field.lengths(t).y * slope.length() - 1.0).abs() < 1e-9);
+            assert!((field.s[t] - slope.normalize()).length() < 1e-9);
         }
+        for (p, [_, s, _]) in mesh.vertices.iter().zip(field.at_vertices(&mesh)).skip(1) {
+            assert!(s.normalize().dot(-p.normalize()) > 0.9, "{p} {s}");
+        }
+        // The middle is where it is singular.
+        let found = field.singularities(&mesh, false);
+        let middle = |t: u32| mesh.corners(t as usize).iter().sum::<DVec3>() / 4.0;
+        assert!(found.tets.iter().all(|&t| middle(t).length() < 0.5), "{found:?}");
     }
 
     #[test]
-    fn lengths_are_clamped_about_the_median() {
-        let gradients = [0.0, 0.01, 1.0, 1.1, 0.9, 90.0].map(|l| DVec3::Y * l);
-        let lengths = depth_lengths(&gradients);
-        assert_eq!(lengths[0], lengths[1]);
-        assert!((lengths[0] / lengths[5] - 16.0).abs() < 1e-12);
-        assert!((lengths[2] - 1.0).abs() < 1e-12);
-        assert_eq!(depth_lengths(&[DVec3::ZERO]), [1.0]);
+    fn three_fields_make_frames_of_three_lengths() {
+        let mesh = ball(1, 3);
+        let coordinate = |slope: DVec3| -> Option<Vec<f64>> {
+            Some(mesh.vertices.iter().map(|p| 0.5 + slope.dot(*p)).collect())
+        };
+        let some = Fields {
+            along: coordinate(DVec3::new(0.2, 0.05, 0.0)),
+            depth: coordinate(DVec3::Y * 0.4),
+            across: coordinate(DVec3::Z * 0.1),
+            ..Fields::default()
+        };
+        let field = FrameField::new(&mesh, &some, [true; 3]);
+        for t in 0..mesh.tets.len() {
+            assert!((field.lengths(t) - DVec3::new(1.0 / 0.2f64.hypot(0.05), 2.5, 10.0)).length() < 1e-6);
+            assert!((field.r[t] - DVec3::X).length() < 1e-9 && (field.s[t] - DVec3::Y).length() < 1e-9);
+        }
+        assert_eq!(field.singularities(&mesh, false), Singularities::default());
     }
 
     #[test]
     fn the_smallest_rotation_is_a_perpendicular_everywhere() {
         for s in [DVec3::Y, -DVec3::Y, DVec3::X, DVec3::new(1e-9, -1.0, 0.0).normalize()] {
-            assert!(perpendicular(s).dot(s).abs() < 1e-12);
-            assert!((perpendicular(s).length() - 1.0).abs() < 1e-12);
+            let r = turned(DVec3::Y, s, DVec3::X);
+            assert!(r.dot(s).abs() < 1e-12 && (r.length() - 1.0).abs() < 1e-12);
         }
-    }
-
-    #[test]
-    fn fields_of_another_mesh_are_refused() {
-        let mesh = grid(1);
-        let length = FrameLength::Scale(&[1.0; 3]);
-        let error = FrameField::new(&mesh, None, None, length).unwrap_err();
-        assert_eq!(error, FrameError::Length { field: "scale field", count: 3, vertices: 8 });
-        let error = FrameField::new(&mesh, None, None, FrameLength::Depth).unwrap_err();
-        assert_eq!(error, FrameError::NoDepth);
-        let other = depth(&ball(0, 2));
-        assert!(FrameField::new(&mesh, None, Some(&other), FrameLength::Depth).is_err());
     }
 }

@@ -1,5 +1,6 @@
 //! Laplacian smoothing over the vertices of a tetrahedral mesh \[LST 5.2.2; Fu et al. 2007\].
 
+use super::twolevel::TwoLevel;
 use crate::exec::Exec;
 use crate::field::graph::Graph;
 use crate::mesh::TetMesh;
@@ -56,28 +57,57 @@ pub(crate) fn weights(graph: &Graph, depth: Option<&[f64]>) -> Vec<f64> {
 }
 
 /// Minimises Σᵢ |xᵢ − Σⱼ wᵢⱼ xⱼ|² + μ Σ_pins |Σₖ λₖ x(vₖ) − c|² + ε Σᵢ |xᵢ − rest|², with the weights of each row
-/// made to sum to 1. Factored once, solved for any number of components.
+/// made to sum to 1. Made ready once, solved for any number of components: up to [`FACTORED`] vertices by a
+/// Cholesky factor, whose cost grows faster than the mesh, and past it by iteration.
 ///
 /// With symmetric edge weights W, D = diag(W·1) and K = D − W, the rows are those of L = D⁻¹K, so
 /// the matrix is K D⁻² K + μ ΛᵀΛ + ε.
 pub(crate) struct Smoother<'a> {
-    factor: SpdFactor,
+    solver: Solver<'a>,
+    vertices: usize,
     pins: &'a [Pin],
     stiffness: f64,
     pull: f64,
+    exec: &'a Exec,
 }
+
+enum Solver<'a> {
+    Factor(SpdFactor),
+    Iteration(Box<TwoLevel<'a>>),
+}
+
+/// The most vertices for which the matrix is factored.
+const FACTORED: usize = 12_000;
 
 impl<'a> Smoother<'a> {
     /// `stiffness` is μ; `pull` is ε, which may be 0 where every connected component has a pin.
     pub(crate) fn new(
         mesh: &TetMesh,
-        graph: &Graph,
-        weights: &[f64],
+        graph: &'a Graph,
+        weights: &'a [f64],
         pins: &'a [Pin],
         stiffness: f64,
         pull: f64,
-        exec: &Exec,
+        exec: &'a Exec,
     ) -> Result<Self, SmoothError> {
+        let solver = if graph.len() > FACTORED {
+            let ready = exec.install(|| TwoLevel::new(mesh, graph, weights, pins, stiffness, pull, exec))?;
+            Solver::Iteration(Box::new(ready))
+        } else {
+            Solver::Factor(Self::factor(mesh, graph, weights, pins, stiffness, pull, exec)?)
+        };
+        Ok(Self { solver, vertices: graph.len(), pins, stiffness, pull, exec })
+    }
+
+    fn factor(
+        mesh: &TetMesh,
+        graph: &Graph,
+        weights: &[f64],
+        pins: &[Pin],
+        stiffness: f64,
+        pull: f64,
+        exec: &Exec,
+    ) -> Result<SpdFactor, SmoothError> {
         let mut lower = squared_laplacian(graph, weights, exec)?;
         for pin in pins {
             for (a, la) in pin.vertices.into_iter().zip(pin.weights) {
@@ -94,24 +124,42 @@ impl<'a> Smoother<'a> {
         }
         exec.check().map_err(SmoothError::Cancelled)?;
         let order = nested_dissection(&mesh.vertices, &lower);
-        let factor = SpdFactor::ordered(&order, &lower).map_err(SmoothError::Solve)?;
-        Ok(Self { factor, pins, stiffness, pull })
+        SpdFactor::ordered(&order, &lower).map_err(SmoothError::Solve)
     }
 
     /// The smooth field with the value `targets[k]` at pin k, drawn to `rest` as much as ε says.
-    pub(crate) fn solve<const N: usize>(&self, targets: &[[f64; N]], rest: [f64; N]) -> Vec<[f64; N]> {
-        let n = self.factor.size();
-        let mut x = vec![0.0; n * N];
-        for (c, column) in x.chunks_exact_mut(n.max(1)).enumerate() {
-            column.fill(self.pull * rest[c]);
-            for (pin, target) in self.pins.iter().zip(targets) {
-                for (v, l) in pin.vertices.into_iter().zip(pin.weights) {
-                    column[v as usize] += self.stiffness * l * target[c];
+    pub(crate) fn solve<const N: usize>(
+        &self,
+        targets: &[[f64; N]],
+        rest: [f64; N],
+    ) -> Result<Vec<[f64; N]>, SmoothError> {
+        let rhs = self.right_hand_side(targets, rest);
+        match &self.solver {
+            Solver::Factor(factor) => {
+                let n = self.vertices;
+                let mut x: Vec<f64> = (0..N).flat_map(|c| rhs.iter().map(move |r| r[c])).collect();
+                factor.solve(&mut x, N);
+                Ok((0..n).map(|v| std::array::from_fn(|c| x[c * n + v])).collect())
+            }
+            Solver::Iteration(ready) => self.exec.install(|| ready.solve(&rhs, self.exec)),
+        }
+    }
+
+    /// ε rest + μ Λᵀ c.
+    pub(super) fn right_hand_side<const N: usize>(
+        &self,
+        targets: &[[f64; N]],
+        rest: [f64; N],
+    ) -> Vec<[f64; N]> {
+        let mut rhs = vec![rest.map(|r| self.pull * r); self.vertices];
+        for (pin, target) in self.pins.iter().zip(targets) {
+            for (v, l) in pin.vertices.into_iter().zip(pin.weights) {
+                for c in 0..N {
+                    rhs[v as usize][c] += self.stiffness * l * target[c];
                 }
             }
         }
-        self.factor.solve(&mut x, N);
-        (0..n).map(|v| std::array::from_fn(|c| x[c * n + v])).collect()
+        rhs
     }
 }
 
@@ -222,12 +270,12 @@ mod tests {
         let weights = weights(&graph, None);
         let pins = [pin([0.31, 0.2, 0.77])];
         let smoother = Smoother::new(&mesh, &graph, &weights, &pins, 10.0, 0.0, &exec).unwrap();
-        for x in smoother.solve(&[[2.0, -1.0]], [0.0; 2]) {
+        for x in smoother.solve(&[[2.0, -1.0]], [0.0; 2]).unwrap() {
             assert!((x[0] - 2.0).abs() < 1e-8 && (x[1] + 1.0).abs() < 1e-8);
         }
         let pins = [pin([0.1, 0.5, 0.5]), pin([0.9, 0.5, 0.5])];
         let smoother = Smoother::new(&mesh, &graph, &weights, &pins, 1e5, 0.0, &exec).unwrap();
-        let x = smoother.solve(&[[0.0], [1.0]], [0.0]);
+        let x = smoother.solve(&[[0.0], [1.0]], [0.0]).unwrap();
         for (pin, target) in pins.iter().zip([0.0, 1.0]) {
             let at: f64 = pin.vertices.iter().zip(pin.weights).map(|(&v, l)| l * x[v as usize][0]).sum();
             assert!((at - target).abs() < 1e-3);

@@ -2,8 +2,9 @@
 //!
 //! [`depth_field`] interpolates painted depths by radial basis functions; [`direction_field`] and
 //! [`scale_field`] spread strokes and local scales by Laplacian smoothing; [`FrameField`] puts them together
-//! to the paper's tensor field.
+//! to the paper's tensor field, and [`singularities`] finds where no texture can follow it.
 
+mod aggregate;
 mod depth;
 mod direction;
 mod eigen;
@@ -13,16 +14,20 @@ mod graph;
 mod laplacian;
 mod rbf;
 mod scale;
+mod singular;
 mod stroke;
+mod twolevel;
 
 pub(crate) use depth::strokes_that_count;
 pub use depth::{
     DepthError, DepthField, DepthPaint, DepthParams, DepthReport, DepthStroke, PaintedFace, depth_field,
 };
 pub use direction::{DirectionError, DirectionParams, DirectionStroke, direction_field};
-pub use frame::{FrameError, FrameField, FrameLength, depth_lengths};
+pub(crate) use frame::perpendicular;
+pub use frame::{Fields, FrameField};
 pub(crate) use gradient::rising;
 pub use gradient::tet_gradients;
 pub use rbf::{Kernel, Rbf, RbfError, RbfParams, RbfReport};
 pub use scale::{ScaleAt, ScaleError, scale_field};
+pub use singular::{FrameAxes, Singularities, singularities, singularities_of_vertices};
 pub(crate) use stroke::{Sample, sample};

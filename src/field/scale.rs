@@ -158,11 +158,12 @@ pub fn scale_field(
     // (h²/6)²/ℓ⁴ lets a deviation decay over the length ℓ, whatever the mesh.
     let reach = REACH * lo.distance(hi);
     let pull = (graph.mean_edge * graph.mean_edge / (6.0 * reach * reach)).powi(2);
-    let smoother = Smoother::new(mesh, &graph, &weights(&graph, None), &pins, STIFFNESS, pull, exec)?;
+    let weights = weights(&graph, None);
+    let smoother = Smoother::new(mesh, &graph, &weights, &pins, STIFFNESS, pull, exec)?;
     let targets: Vec<[f64; 1]> = at.iter().map(|local| [(local.scale / everywhere).ln()]).collect();
     let least = at.iter().map(|l| l.scale).fold(everywhere, f64::min);
     let most = at.iter().map(|l| l.scale).fold(everywhere, f64::max);
-    let logs = smoother.solve(&targets, [0.0]);
+    let logs = smoother.solve(&targets, [0.0])?;
     Ok(logs.into_iter().map(|[x]| (everywhere * x.exp()).clamp(least, most)).collect())
 }
 

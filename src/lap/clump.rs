@@ -12,19 +12,22 @@
 
 use glam::{DQuat, DVec3};
 
-use super::coverage::{MaskTable, POINTS, Presence, lattice_point, sample_lattice};
+use super::coverage::{Alpha, MaskTable, POINTS, Presence, lattice_point, sample_lattice};
 use super::feather::feathered;
-use super::frames::{Frame, PatchFrames, TetFrames};
+use super::frames::{Frame, PatchFrames};
+use super::kind::TextureType;
 use super::optimise::{Element, Given, optimise};
 use super::params::FillParams;
 use super::solid::interpolate;
+use crate::field::FrameField;
 use crate::mesh::{NONE, TET_FACES, TetMesh};
 use crate::volume::AlphaMask;
 
 /// All that clumps are grown from.
 pub(super) struct Ground<'a> {
     pub(super) mesh: &'a TetMesh,
-    pub(super) frames: &'a TetFrames,
+    pub(super) kind: TextureType,
+    pub(super) frames: &'a FrameField,
     /// The texture coordinates that are fields, per vertex: a texture that varies with depth has y.
     pub(super) given: Given<'a>,
     pub(super) masks: &'a [AlphaMask],
@@ -51,8 +54,8 @@ pub(super) struct Pasted {
     pub(super) own: Option<AlphaMask>,
     pub(super) tets: Vec<u32>,
     pub(super) uvw: Vec<[[f32; 3]; 4]>,
-    /// Mask at the lattice points of each tetrahedron; `None` where it is 255 at all of them.
-    pub(super) alpha: Vec<Option<Box<[u8; POINTS]>>>,
+    /// What it adds to the coverage of each tetrahedron.
+    pub(super) alpha: Vec<Alpha>,
     pub(super) fit: Fit,
 }
 
@@ -133,8 +136,10 @@ impl Workspace {
 
 /// Grows and fits the patch of a seed. It always covers its seed point: where the fit fails, with a
 /// tighter limit on the frames, and at last with the seed's own tetrahedron alone.
-pub(super) fn paste(ground: &Ground<'_>, seed: &Seed, work: &mut Workspace) -> Pasted {
-    let frames = ground.frames.of_patch(seed.tet as usize, seed.turn);
+///
+/// `coverage` is that of all lattice points before this patch.
+pub(super) fn paste(ground: &Ground<'_>, seed: &Seed, coverage: &[u8], work: &mut Workspace) -> Pasted {
+    let frames = PatchFrames::new(ground.frames, ground.kind, seed.tet as usize, seed.turn);
     let mut clump = Clump::new(ground, &frames, seed, work);
     let widest = ground.params.max_angle_deg.to_radians();
     let fitted = [1.0, 0.5, 0.25].iter().any(|part| {
@@ -145,7 +150,7 @@ pub(super) fn paste(ground: &Ground<'_>, seed: &Seed, work: &mut Workspace) -> P
     if !fitted {
         clump.start();
     }
-    let pasted = clump.paste();
+    let pasted = clump.paste(coverage);
     clump.leave();
     pasted
 }
@@ -497,7 +502,7 @@ impl<'a> Clump<'a> {
         feathered(self.mask, &facets, self.centre, self.ground.params.mask.drop_off)
     }
 
-    fn paste(&self) -> Pasted {
+    fn paste(&self, coverage: &[u8]) -> Pasted {
         let mesh = self.ground.mesh;
         let own = self.feathered();
         let own_table = own.as_ref().map(MaskTable::new);
@@ -513,12 +518,13 @@ impl<'a> Clump<'a> {
         };
         for m in &self.members {
             let uvw = self.uvw(m);
-            let alpha = match table.over_points(&uvw) {
+            let (alpha, present) = match table.over_points(&uvw) {
                 Presence::Absent => continue,
-                Presence::Opaque => None,
-                Presence::Partial => Some(Box::new(sample_lattice(mask, &uvw))),
+                Presence::Opaque => (Alpha::Opaque, true),
+                Presence::Partial => {
+                    sample_lattice(mask, &uvw, &coverage[m.tet as usize * POINTS..][..POINTS])
+                }
             };
-            let present = alpha.as_ref().is_none_or(|a| a.iter().any(|&a| a > 0));
             if present {
                 pasted.fit.add(&self.columns(m), mesh.tet_volume(m.tet as usize));
             }
@@ -534,7 +540,9 @@ impl<'a> Clump<'a> {
             let corners = self.uvw(member);
             let face = TET_FACES[k].map(|i| corners[i]);
             pasted.fit.edge += area;
-            pasted.fit.cut_edge += area * mask_on_face(mask, &face, SEAM);
+            if table.over_points(&face) != Presence::Absent {
+                pasted.fit.cut_edge += area * mask_on_face(mask, &face, SEAM);
+            }
         }
         pasted.own = own;
         pasted

@@ -26,9 +26,13 @@ pub(super) static LATTICE: LazyLock<[[u8; 4]; POINTS]> = LazyLock::new(|| {
     points
 });
 
+/// Their barycentric coordinates.
+static LATTICE_POINTS: LazyLock<[[f32; 4]; POINTS]> =
+    LazyLock::new(|| LATTICE.map(|p| p.map(|e| f32::from(e) / ORDER as f32)));
+
 /// Barycentric coordinates of a lattice point.
 pub(super) fn lattice_point(n: usize) -> [f32; 4] {
-    LATTICE[n].map(|e| f32::from(e) / ORDER as f32)
+    LATTICE_POINTS[n]
 }
 
 /// What a mask does over a box of texture space.
@@ -88,8 +92,10 @@ impl MaskTable {
             inside &= lo >= 0.0 && hi <= 1.0;
             let side = self.size[n] as f32;
             // The voxels that trilinear interpolation reads.
-            let first = (lo * side - 0.5).floor().max(0.0) as usize;
-            let last = ((hi * side - 0.5).floor() + 1.0).max(0.0) as usize;
+            let (first, last) = (lo * side - 0.5, hi * side - 0.5);
+            // A cast takes a negative number to 0, and drops the rest of others.
+            let last = if last < 0.0 { 0 } else { last as usize + 1 };
+            let first = first as usize;
             range[n] = [first.min(self.size[n] - 1), last.min(self.size[n] - 1) + 1];
         }
         let [[x0, x1], [y0, y1], [z0, z1]] = range;
@@ -123,13 +129,34 @@ impl MaskTable {
     }
 }
 
-/// Alpha (0…255) of a mask at every lattice point of a tetrahedron.
-pub(super) fn sample_lattice(mask: &AlphaMask, uvw: &[[f32; 3]; 4]) -> [u8; POINTS] {
-    std::array::from_fn(|n| {
-        let p = super::solid::interpolate(uvw, lattice_point(n));
+/// What a patch adds to the coverage of a tetrahedron.
+pub(super) enum Alpha {
+    /// 255 at every lattice point.
+    Opaque,
+    /// So much at each.
+    Partial(Box<[u8; POINTS]>),
+    /// Nothing that is not covered already.
+    Nothing,
+}
+
+/// Alpha (0…255) of a mask at every lattice point of a tetrahedron that is not yet covered, and whether it is
+/// above 0 at any of all its lattice points.
+pub(super) fn sample_lattice(mask: &AlphaMask, uvw: &[[f32; 3]; 4], cover: &[u8]) -> (Alpha, bool) {
+    let mut alpha = [0u8; POINTS];
+    let (mut present, mut adds) = (false, false);
+    for ((alpha, point), cover) in alpha.iter_mut().zip(LATTICE_POINTS.iter()).zip(cover) {
+        if *cover == 255 && present {
+            continue;
+        }
         // Rounded down: a point counts as covered only when its opacities truly add up.
-        (mask.sample(p) * 255.0) as u8
-    })
+        let here = (mask.sample(super::solid::interpolate(uvw, *point)) * 255.0) as u8;
+        present |= here > 0;
+        if *cover < 255 {
+            *alpha = here;
+            adds |= here > 0;
+        }
+    }
+    (if adds { Alpha::Partial(Box::new(alpha)) } else { Alpha::Nothing }, present)
 }
 
 #[cfg(test)]

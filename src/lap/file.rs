@@ -22,8 +22,8 @@ pub const FORMAT_VERSION: u32 = 2;
 const READ_VERSIONS: std::ops::RangeInclusive<u64> = 1..=FORMAT_VERSION as u64;
 /// The one metadata key.
 pub const METADATA_KEY: &str = "lapis";
-/// The most exemplars or masks in one file.
-const MAX_VOLUMES: usize = 4096;
+/// The most exemplars or masks in one file: a large fill has thousands of feathered masks.
+const MAX_VOLUMES: usize = 1 << 20;
 
 /// Why a `.lapis` file cannot be used.
 #[derive(Debug, thiserror::Error)]

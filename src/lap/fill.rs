@@ -6,18 +6,18 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::clump::{Fit, Ground, Pasted, Seed, Workspace, paste};
-use super::coverage::{MaskTable, POINTS, sample_lattice};
-use super::frames::TetFrames;
-use super::hide::{Layer, visible};
+use super::assemble::{assemble, stack};
+use super::clump::{Ground, Pasted, Seed, Workspace, paste};
+use super::coverage::{Alpha, MaskTable, POINTS, sample_lattice};
 use super::kind::TextureType;
 use super::mapped;
-use super::measure::{FillMeasures, sharpness};
+use super::measure::{FillMeasures, Fits, sharpness};
 use super::optimise::Given;
 use super::params::FillParams;
 use super::seed::{Apart, spots, turn};
-use super::solid::{LappedSolid, Patch};
+use super::solid::LappedSolid;
 use crate::exec::{Cancelled, Exec};
+use crate::field::{Fields, FrameField};
 use crate::mesh::TetMesh;
 use crate::volume::{AlphaMask, SolidTexture};
 
@@ -138,45 +138,27 @@ pub enum FillError {
     Cancelled(#[from] Cancelled),
 }
 
-/// The fields that steer a fill: values at the vertices of the mesh. Each texture type draws on its own
-/// ([`TextureType::inputs`]); the others must be `None`.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Fields {
-    /// Depth, 0 outside to 1 innermost.
-    pub depth: Option<Vec<f64>>,
-    /// Unit vectors along texture x.
-    pub direction: Option<Vec<DVec3>>,
-    /// World length of one unit of texture.
-    pub scale: Option<Vec<f64>>,
-    /// Texture x itself, 0 to 1.
-    pub along: Option<Vec<f64>>,
-    /// Texture z itself, 0 to 1.
-    pub across: Option<Vec<f64>>,
+/// The same fields, as texture coordinates (f32) can hold them: so they follow a given coordinate exactly.
+pub(super) fn as_coordinates(fields: &Fields) -> Fields {
+    let round = |field: &Option<Vec<f64>>| {
+        field.as_ref().map(|f| f.iter().map(|&d| f64::from((d as f32).min(INSIDE))).collect())
+    };
+    Fields {
+        depth: round(&fields.depth),
+        along: round(&fields.along),
+        across: round(&fields.across),
+        ..fields.clone()
+    }
 }
 
-impl Fields {
-    /// The same, as texture coordinates (f32) can hold it: so they follow a given coordinate exactly.
-    fn as_coordinates(&self) -> Self {
-        let round = |field: &Option<Vec<f64>>| {
-            field.as_ref().map(|f| f.iter().map(|&d| f64::from(d as f32)).collect())
-        };
-        Self {
-            depth: round(&self.depth),
-            along: round(&self.along),
-            across: round(&self.across),
-            ..self.clone()
-        }
-    }
-
-    /// The texture coordinates that are given for a texture type.
-    fn given(&self, kind: TextureType) -> Given<'_> {
-        let [x, y, z] = kind.given();
-        [
-            self.along.as_deref().filter(|_| x),
-            self.depth.as_deref().filter(|_| y),
-            self.across.as_deref().filter(|_| z),
-        ]
-    }
+/// The texture coordinates that are given for a texture type.
+fn given(fields: &Fields, kind: TextureType) -> Given<'_> {
+    let [x, y, z] = kind.given();
+    [
+        fields.along.as_deref().filter(|_| x),
+        fields.depth.as_deref().filter(|_| y),
+        fields.across.as_deref().filter(|_| z),
+    ]
 }
 
 /// What a fill did.
@@ -201,6 +183,8 @@ pub struct FillReport {
 const BATCH: usize = 16;
 /// Patches for each unit of texture volume, seen in practice; for the estimate only.
 const PATCHES_PER_UNIT: f64 = 12.0;
+/// The greatest coordinate that is given: at 1 exactly, the rounding of an interpolation would leave the mask.
+const INSIDE: f32 = 1.0 - 1.0 / (1 << 20) as f32;
 /// The longest edge, in units of texture, for which the lattice tells coverage.
 const COARSEST: f64 = 4.0;
 
@@ -219,9 +203,9 @@ pub fn fill(
 ) -> Result<(LappedSolid, FillReport), FillError> {
     exec.install(|| {
         check(&mesh, kind, fields, params)?;
-        let fields = fields.as_coordinates();
-        mapped::check(&mesh, fields.given(kind))?;
-        let frames = TetFrames::new(&mesh, kind, &fields);
+        let fields = as_coordinates(fields);
+        mapped::check(&mesh, given(&fields, kind))?;
+        let frames = FrameField::new(&mesh, &fields, kind.given());
         let masks: Vec<AlphaMask> = match kind.given() {
             [true, _, true] => AlphaMask::new([1; 3], vec![255]).into_iter().collect(),
             [true, _, false] => vec![AlphaMask::slab(&params.mask, seed)],
@@ -231,8 +215,9 @@ pub fn fill(
         let tables: Vec<MaskTable> = masks.iter().map(MaskTable::new).collect();
         let ground = Ground {
             mesh: &mesh,
+            kind,
             frames: &frames,
-            given: fields.given(kind),
+            given: given(&fields, kind),
             masks: &masks,
             tables: &tables,
             params,
@@ -251,7 +236,7 @@ pub fn fill(
         let frame = frames.at_vertices(&mesh);
         let depth = fields.depth.clone().unwrap_or_else(|| vec![0.0; mesh.vertices.len()]);
         let (solid, hidden) = assemble(mesh, depth, frame, masks, texture, &lapped.pasted, &stacks);
-        let mut measures = FillMeasures::new(&solid, &lapped.fit, lapped.uncovered, fields.given(kind));
+        let mut measures = FillMeasures::new(&solid, &lapped.fit, lapped.uncovered, given(&fields, kind));
         measures.sharpness = sharpness(&solid, seed, exec)?;
         let report = FillReport {
             tetrahedra: solid.mesh.tets.len(),
@@ -316,7 +301,7 @@ fn check(mesh: &TetMesh, kind: TextureType, fields: &Fields, params: &FillParams
     Ok(())
 }
 
-fn check_scale(mesh: &TetMesh, frames: &TetFrames, params: &FillParams) -> Result<(), FillError> {
+fn check_scale(mesh: &TetMesh, frames: &FrameField, params: &FillParams) -> Result<(), FillError> {
     let units: f64 =
         (0..mesh.tets.len()).map(|t| mesh.tet_volume(t) / frames.lengths(t).element_product()).sum();
     let estimate = units * PATCHES_PER_UNIT;
@@ -352,7 +337,7 @@ struct Lapped {
     pasted: Vec<Pasted>,
     /// Masks of single patches, numbered after the shared ones.
     own: Vec<AlphaMask>,
-    fit: Vec<Fit>,
+    fit: Fits,
     rounds: usize,
     uncovered: usize,
 }
@@ -360,10 +345,15 @@ struct Lapped {
 impl Lapped {
     /// One patch that fills the whole model.
     fn whole(mut patch: Pasted, masks: &[AlphaMask]) -> Self {
-        let fit = std::mem::take(&mut patch.fit);
-        let opaque = patch.uvw.iter().map(|uvw| sample_lattice(&masks[0], uvw));
-        let uncovered = opaque.map(|a| a.iter().filter(|&&a| a < 255).count()).sum();
-        Self { pasted: vec![patch], own: Vec::new(), fit: vec![fit], rounds: 1, uncovered }
+        let mut fit = Fits::default();
+        fit.add(&std::mem::take(&mut patch.fit));
+        let bare = |uvw| match sample_lattice(&masks[0], uvw, &[0; POINTS]).0 {
+            Alpha::Opaque => 0,
+            Alpha::Partial(alpha) => alpha.iter().filter(|&&a| a < 255).count(),
+            Alpha::Nothing => POINTS,
+        };
+        let uncovered = patch.uvw.iter().map(bare).sum();
+        Self { pasted: vec![patch], own: Vec::new(), fit, rounds: 1, uncovered }
     }
 }
 
@@ -381,7 +371,8 @@ fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError>
         // A patch whose x and y are both given takes the whole cross-section.
         along: ground.given[0].is_some().then(|| ground.frames.thirds()),
     };
-    let mut lapped = Lapped { pasted: Vec::new(), own: Vec::new(), fit: Vec::new(), rounds: 0, uncovered: 0 };
+    let mut lapped =
+        Lapped { pasted: Vec::new(), own: Vec::new(), fit: Fits::default(), rounds: 0, uncovered: 0 };
     while !open.is_empty() {
         let spots = spots(mesh, &coverage, &open, &apart, seed, lapped.rounds as u64);
         for batch in spots.chunks(BATCH) {
@@ -403,7 +394,7 @@ fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError>
                 .map(|seed| {
                     let spare = spares.lock().ok().and_then(|mut s| s.pop());
                     let mut work = spare.unwrap_or_else(|| Workspace::new(mesh));
-                    let pasted = paste(ground, seed, &mut work);
+                    let pasted = paste(ground, seed, &coverage, &mut work);
                     if let Ok(mut spares) = spares.lock() {
                         spares.push(work);
                     }
@@ -414,8 +405,9 @@ fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError>
                 for (t, alpha) in pasted.tets.iter().zip(&pasted.alpha) {
                     let cover = &mut coverage[*t as usize * POINTS..][..POINTS];
                     match alpha {
-                        None => cover.fill(255),
-                        Some(alpha) => {
+                        Alpha::Nothing => {}
+                        Alpha::Opaque => cover.fill(255),
+                        Alpha::Partial(alpha) => {
                             for (c, a) in cover.iter_mut().zip(alpha.iter()) {
                                 *c = c.saturating_add(*a);
                             }
@@ -434,7 +426,7 @@ fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError>
                     pasted.mask = (ground.masks.len() + lapped.own.len()) as u32;
                     lapped.own.push(own);
                 }
-                lapped.fit.push(std::mem::take(&mut pasted.fit));
+                lapped.fit.add(&std::mem::take(&mut pasted.fit));
                 lapped.pasted.push(pasted);
             }
         }
@@ -450,102 +442,4 @@ fn mask_for(ground: &Ground<'_>, tet: u32, point: u8) -> u32 {
     let at = super::coverage::lattice_point(point as usize);
     let d: f64 = (0..4).map(|k| f64::from(at[k]) * depth[ground.mesh.tets[tet as usize][k] as usize]).sum();
     AlphaMask::for_depth(d) as u32
-}
-
-/// A layer before assembly: its patch and its place in the patch's lists.
-type Slot = (u32, u32);
-
-/// The layers of each tetrahedron that can be seen, oldest first.
-fn stack(
-    mesh: &TetMesh,
-    masks: &[AlphaMask],
-    tables: &[MaskTable],
-    pasted: &[Pasted],
-    exec: &Exec,
-) -> Result<Vec<(Vec<Slot>, usize)>, FillError> {
-    let mut all: Vec<Vec<Slot>> = vec![Vec::new(); mesh.tets.len()];
-    for (p, patch) in pasted.iter().enumerate() {
-        for (slot, &t) in patch.tets.iter().enumerate() {
-            all[t as usize].push((p as u32, slot as u32));
-        }
-    }
-    exec.check()?;
-    let _stage = exec.stage("hidden layers", 0);
-    Ok(all
-        .into_par_iter()
-        .map(|slots| {
-            let layers: Vec<Layer<'_>> = slots
-                .iter()
-                .map(|&(p, slot)| {
-                    let patch = &pasted[p as usize];
-                    let mask = patch.mask as usize;
-                    Layer { uvw: &patch.uvw[slot as usize], mask: &masks[mask], table: &tables[mask] }
-                })
-                .collect();
-            let seen = visible(&layers);
-            let hidden = seen.iter().filter(|&&s| !s).count();
-            let kept = slots.iter().zip(seen).filter(|(_, seen)| *seen).map(|(slot, _)| *slot).collect();
-            (kept, hidden)
-        })
-        .collect())
-}
-
-fn assemble(
-    mesh: TetMesh,
-    depth: Vec<f64>,
-    frame: Vec<[DVec3; 3]>,
-    masks: Vec<AlphaMask>,
-    texture: Arc<SolidTexture>,
-    pasted: &[Pasted],
-    stacks: &[(Vec<Slot>, usize)],
-) -> (LappedSolid, usize) {
-    // Patches of which nothing shows are dropped too, and masks of no patch; the others keep their order.
-    let mut used = vec![false; pasted.len()];
-    for (p, _) in stacks.iter().flat_map(|s| &s.0) {
-        used[*p as usize] = true;
-    }
-    let mut number = vec![0u32; pasted.len()];
-    let mut patches = Vec::new();
-    let mut mask_number: Vec<Option<u32>> = vec![None; masks.len()];
-    let mut kept = Vec::new();
-    for (p, _) in used.iter().enumerate().filter(|(_, used)| **used) {
-        number[p] = patches.len() as u32;
-        let mask = pasted[p].mask as usize;
-        let mask = *mask_number[mask].get_or_insert_with(|| {
-            kept.push(mask);
-            kept.len() as u32 - 1
-        });
-        patches.push(Patch { exemplar: 0, mask });
-    }
-    let mut masks: Vec<Option<AlphaMask>> = masks.into_iter().map(Some).collect();
-    let masks = kept.into_iter().filter_map(|m| masks[m].take()).map(Arc::new).collect();
-    let mut layer_start = vec![0u32];
-    let mut layer_patch = Vec::new();
-    let mut layer_uvw = Vec::new();
-    let mut hidden = 0;
-    for (slots, dropped) in stacks {
-        for &(p, slot) in slots {
-            layer_patch.push(number[p as usize]);
-            layer_uvw.push(pasted[p as usize].uvw[slot as usize]);
-        }
-        hidden += dropped;
-        layer_start.push(layer_patch.len() as u32);
-    }
-    let tet_origin = (0..mesh.tets.len() as u32).collect();
-    let solid = LappedSolid {
-        mesh,
-        depth,
-        frame,
-        layer_start,
-        layer_patch,
-        layer_uvw,
-        patches,
-        exemplars: vec![texture],
-        masks,
-        look: None,
-        tet_origin,
-        cuts: 0,
-        settings: serde_json::Value::Null,
-    };
-    (solid, hidden)
 }

@@ -3,6 +3,8 @@
 //! The answer is safe: a layer is dropped only where boxes around ever smaller parts of the tetrahedron
 //! prove that nothing of it shows.
 
+use std::sync::LazyLock;
+
 use super::coverage::{MaskTable, Presence};
 use super::solid::interpolate;
 use crate::volume::AlphaMask;
@@ -17,12 +19,45 @@ pub(super) struct Layer<'a> {
     pub(super) table: &'a MaskTable,
 }
 
+/// Points of a tetrahedron at which is looked first: most layers show at one of them, and need no proof.
+static FIRST: LazyLock<Vec<[f32; 4]>> = LazyLock::new(|| {
+    let mut points = Vec::new();
+    for a in 0..=4u8 {
+        for b in 0..=4 - a {
+            for c in 0..=4 - a - b {
+                points.push([a, b, c, 4 - a - b - c].map(|e| f32::from(e) / 4.0));
+            }
+        }
+    }
+    // Inner ones first: more shows there.
+    points.sort_by(|p, q| {
+        let inner = |p: &[f32; 4]| p.iter().fold(1.0f32, |a, b| a.min(*b));
+        inner(q).total_cmp(&inner(p))
+    });
+    points
+});
+
+/// From here on a sample counts as opaque, if it may be a rounding error below 1.
+const OPAQUE: f32 = 1.0 - 1e-5;
+
 /// Which of a tetrahedron's layers (oldest first) can be seen somewhere in it. At least one is kept.
 pub(super) fn visible(layers: &[Layer<'_>]) -> Vec<bool> {
     let mut seen = vec![false; layers.len()];
+    for point in FIRST.iter() {
+        for (n, layer) in layers.iter().enumerate().rev() {
+            let m = layer.mask.sample(interpolate(layer.uvw, *point));
+            seen[n] |= m > 0.0;
+            if m >= OPAQUE {
+                break;
+            }
+        }
+        if !seen.contains(&false) {
+            return seen;
+        }
+    }
     let whole = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
-    let all: Vec<usize> = (0..layers.len()).collect();
-    look(layers, &whole, &all, DIVISIONS, &mut seen);
+    let newest_first: Vec<usize> = (0..layers.len()).rev().collect();
+    look(layers, &whole, &newest_first, DIVISIONS, &mut seen);
     if !seen.contains(&true)
         && let Some(oldest) = seen.first_mut()
     {
@@ -32,17 +67,29 @@ pub(super) fn visible(layers: &[Layer<'_>]) -> Vec<bool> {
 }
 
 fn look(layers: &[Layer<'_>], cell: &[[f32; 4]; 4], among: &[usize], divisions: u32, seen: &mut [bool]) {
+    let over = |n: usize| layers[n].table.over_points(&cell.map(|b| interpolate(layers[n].uvw, b)));
+    // Only layers in doubt count, and what is newer and may hide them.
+    let doubts: Vec<(usize, Presence)> = among
+        .iter()
+        .filter(|&&n| !seen[n])
+        .map(|&n| (n, over(n)))
+        .filter(|(_, presence)| *presence != Presence::Absent)
+        .collect();
+    let Some(&(oldest, _)) = doubts.last() else { return };
     // From the newest down to the first that is opaque all over the cell.
     let mut present = Vec::with_capacity(among.len());
-    for &n in among.iter().rev() {
-        let corners = cell.map(|b| interpolate(layers[n].uvw, b));
-        match layers[n].table.over_points(&corners) {
-            Presence::Absent => {}
-            Presence::Partial => present.push(n),
-            Presence::Opaque => {
-                present.push(n);
-                break;
-            }
+    let mut known = doubts.iter().peekable();
+    for &n in among {
+        let presence = match known.next_if(|(doubt, _)| *doubt == n) {
+            Some((_, presence)) => *presence,
+            None if seen[n] => over(n),
+            None => Presence::Absent,
+        };
+        if presence != Presence::Absent {
+            present.push(n);
+        }
+        if presence == Presence::Opaque || n == oldest {
+            break;
         }
     }
     if present.iter().all(|&n| seen[n]) {
@@ -66,7 +113,6 @@ fn look(layers: &[Layer<'_>], cell: &[[f32; 4]; 4], among: &[usize], divisions: 
         }
         return;
     }
-    present.reverse();
     for part in eighths(cell) {
         look(layers, &part, &present, divisions - 1, seen);
     }

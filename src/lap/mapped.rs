@@ -5,6 +5,7 @@ use glam::{DQuat, DVec3};
 
 use super::clump::{Fit, Ground, Pasted, columns};
 use super::fill::FillError;
+use super::frames::PatchFrames;
 use super::optimise::Given;
 use crate::field::tet_gradients;
 use crate::mesh::TetMesh;
@@ -67,7 +68,7 @@ fn share(mesh: &TetMesh, bad: impl Fn(usize) -> bool) -> Option<(f64, DVec3)> {
 pub(super) fn one_patch(ground: &Ground<'_>) -> Option<Pasted> {
     let [Some(x), Some(y), Some(z)] = ground.given else { return None };
     let mesh = ground.mesh;
-    let frames = ground.frames.of_patch(0, DQuat::IDENTITY);
+    let frames = PatchFrames::new(ground.frames, ground.kind, 0, DQuat::IDENTITY);
     let mut pasted = Pasted {
         mask: 0,
         own: None,

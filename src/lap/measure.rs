@@ -36,27 +36,51 @@ pub struct FillMeasures {
     pub sharpness: f64,
 }
 
+/// Bins of angles, a hundredth of a degree each.
+const BINS: usize = 18_001;
+
+/// The sums over all patches of how well they fit.
+pub(super) struct Fits {
+    /// Volumes by angle.
+    bins: Vec<f64>,
+    weighted: f64,
+    weight: f64,
+    inverted: usize,
+    edge: f64,
+    cut_edge: f64,
+}
+
+impl Default for Fits {
+    fn default() -> Self {
+        let zero = 0.0;
+        Self { bins: vec![0.0; BINS], weighted: zero, weight: zero, inverted: 0, edge: zero, cut_edge: zero }
+    }
+}
+
+impl Fits {
+    pub(super) fn add(&mut self, fit: &Fit) {
+        for &(angle, w) in &fit.angles {
+            self.bins[((f64::from(angle) * 100.0) as usize).min(BINS - 1)] += w;
+            self.weighted += f64::from(angle) * w;
+            self.weight += w;
+        }
+        self.inverted += fit.inverted;
+        self.edge += fit.edge;
+        self.cut_edge += fit.cut_edge;
+    }
+}
+
 impl FillMeasures {
-    pub(super) fn new(solid: &LappedSolid, fits: &[Fit], uncovered: usize, given: Given<'_>) -> Self {
+    pub(super) fn new(solid: &LappedSolid, fits: &Fits, uncovered: usize, given: Given<'_>) -> Self {
         let tets = solid.mesh.tets.len();
         let counts = (0..tets).map(|t| solid.layers(t).len());
         let layers_max = counts.clone().max().unwrap_or(0);
         let layers_mean = counts.sum::<usize>() as f64 / tets.max(1) as f64;
-        // Angles in bins of a hundredth of a degree.
-        let mut bins = vec![0.0; 18_001];
-        let (mut weighted, mut weight) = (0.0, 0.0);
-        for &(angle, w) in fits.iter().flat_map(|f| &f.angles) {
-            bins[((f64::from(angle) * 100.0) as usize).min(18_000)] += w;
-            weighted += f64::from(angle) * w;
-            weight += w;
-        }
         let mut below = 0.0;
-        let p95 = bins.iter().position(|b| {
+        let p95 = fits.bins.iter().position(|b| {
             below += b;
-            below >= 0.95 * weight
+            below >= 0.95 * fits.weight
         });
-        let edge: f64 = fits.iter().map(|f| f.edge).sum();
-        let cut_edge: f64 = fits.iter().map(|f| f.cut_edge).sum();
         let mut depth_error = 0.0f64;
         for (axis, field) in given.into_iter().enumerate() {
             let Some(field) = field else { continue };
@@ -71,11 +95,11 @@ impl FillMeasures {
         Self {
             layers_mean,
             layers_max,
-            angle_mean_deg: if weight > 0.0 { weighted / weight } else { 0.0 },
+            angle_mean_deg: if fits.weight > 0.0 { fits.weighted / fits.weight } else { 0.0 },
             angle_p95_deg: p95.unwrap_or(0) as f64 / 100.0,
-            inverted: fits.iter().map(|f| f.inverted).sum(),
+            inverted: fits.inverted,
             uncovered,
-            clump_edge_share: if edge > 0.0 { cut_edge / edge } else { 0.0 },
+            clump_edge_share: if fits.edge > 0.0 { fits.cut_edge / fits.edge } else { 0.0 },
             depth_error,
             sharpness: 1.0,
         }

@@ -1,5 +1,6 @@
 //! Lapping: filling a tetrahedral mesh with overlapping patches of solid texture \[LST 5.2\].
 
+mod assemble;
 mod clump;
 mod coverage;
 mod feather;
@@ -16,14 +17,17 @@ mod optimise;
 mod params;
 mod seed;
 mod solid;
+mod unfilled;
 
+pub use crate::field::Fields;
 pub use file::{FORMAT_VERSION, METADATA_KEY, ModelFileError};
-pub use fill::{Fields, FillError, FillReport, fill};
+pub use fill::{FillError, FillReport, fill};
 pub use kind::{Inputs, TextureType, UnknownType};
 pub use look::{Look, LookError};
 pub use measure::FillMeasures;
 pub use params::FillParams;
 pub use solid::{LappedSolid, Patch, interpolate};
+pub use unfilled::{bare, unfilled};
 
 #[cfg(test)]
 mod tests;

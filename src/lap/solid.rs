@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::Look;
+use super::kind::TextureType;
 use crate::colour::LinearRgba;
 use crate::mesh::TetMesh;
 use crate::volume::{AlphaMask, SolidTexture};
@@ -57,6 +58,12 @@ impl LappedSolid {
         self.layer_start[t] as usize..self.layer_start[t + 1] as usize
     }
 
+    /// The texture type that it was made for, by its settings; `None` where they do not say.
+    #[must_use]
+    pub fn kind(&self) -> Option<TextureType> {
+        self.settings.get("type")?.as_str()?.parse().ok()
+    }
+
     /// The heart of Lapis: the colour at barycentric coordinates in a tetrahedron, in linear light with
     /// straight alpha.
     ///
@@ -66,6 +73,20 @@ impl LappedSolid {
     /// at the first opaque one.
     #[must_use]
     pub fn colour(&self, tet: usize, barycentric: [f32; 4]) -> LinearRgba {
+        self.composite(tet, barycentric, |patch, uvw| {
+            let patch = self.patches[patch as usize];
+            self.exemplars[patch.exemplar as usize].sample(uvw)
+        })
+    }
+
+    /// As [`LappedSolid::colour`], with another colour than the exemplar's for each patch, of its number and
+    /// the texture coordinates.
+    pub fn composite(
+        &self,
+        tet: usize,
+        barycentric: [f32; 4],
+        colour: impl Fn(u32, [f32; 3]) -> LinearRgba,
+    ) -> LinearRgba {
         let layers = self.layers(tet);
         let mut x = [0.0f32; 4];
         let mut covered = 0.0f32;
@@ -77,7 +98,7 @@ impl LappedSolid {
             if m <= 0.0 {
                 continue;
             }
-            let c = self.exemplars[patch.exemplar as usize].sample(uvw);
+            let c = colour(self.layer_patch[layer], uvw);
             let w = clear * m;
             for n in 0..3 {
                 x[n] += w * c[n] * c[3];
@@ -92,9 +113,8 @@ impl LappedSolid {
         if covered < 1.0 / 255.0 {
             return match layers.clone().next() {
                 Some(oldest) => {
-                    let patch = self.patches[self.layer_patch[oldest] as usize];
                     let uvw = interpolate(&self.layer_uvw[oldest], barycentric);
-                    self.exemplars[patch.exemplar as usize].sample(uvw)
+                    colour(self.layer_patch[oldest], uvw)
                 }
                 None => [0.0; 4],
             };

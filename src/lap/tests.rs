@@ -24,15 +24,18 @@ fn texture(tiles: [bool; 3]) -> Arc<SolidTexture> {
 
 fn fields(mesh: &TetMesh, kind: TextureType, scale: f64) -> Fields {
     let needs = kind.inputs();
+    let coordinate = |axis: usize| mesh.vertices.iter().map(|p| 0.5 + 0.45 * p[axis]).collect();
+    // Types of two or three fields follow x, y and z; the others have their depth in the middle.
+    let inwards = || mesh.vertices.iter().map(|p| 1.0 - p.length().min(1.0)).collect();
     Fields {
-        depth: needs.depth.then(|| mesh.vertices.iter().map(|p| 1.0 - p.length().min(1.0)).collect()),
+        depth: needs.depth.then(|| if needs.along { coordinate(1) } else { inwards() }),
         direction: needs.direction.then(|| {
             let turned = |p: &DVec3| (DVec3::Z + 0.3 * DVec3::new(-p.y, p.x, 0.0)).normalize();
             mesh.vertices.iter().map(turned).collect()
         }),
         scale: needs.scale.then(|| vec![scale; mesh.vertices.len()]),
-        along: None,
-        across: None,
+        along: needs.along.then(|| coordinate(0)),
+        across: needs.across.then(|| coordinate(2)),
     }
 }
 
@@ -47,15 +50,15 @@ fn filled(kind: TextureType, threads: usize) -> (LappedSolid, FillReport) {
 #[test]
 fn every_type_covers_the_ball() {
     use TextureType::*;
-    for kind in [Type0, Type1a, Type1b, Type2a, Type2b] {
+    for kind in TextureType::ALL {
         let (solid, report) = filled(kind, 2);
         let m = &report.measures;
         assert_eq!((m.uncovered, m.depth_error), (0, 0.0), "{kind}");
-        assert!(report.layers_hidden > 0, "{kind}");
+        assert!(report.layers_hidden > 0 || kind == Type2d, "{kind}");
         assert_eq!(m.inverted, 0, "{kind}");
         assert!(m.clump_edge_share < 0.03, "{kind} {m:?}");
         // The centre of a radial field is singular; homogeneous types have no excuse.
-        if !kind.inputs().depth {
+        if !kind.inputs().depth || kind.inputs().along {
             assert!(
                 m.angle_mean_deg < 6.0 && m.sharpness > 0.85 && m.clump_edge_share < 0.01,
                 "{kind} {m:?}"
@@ -64,6 +67,72 @@ fn every_type_covers_the_ball() {
         assert!(solid.validate().is_ok());
         assert!((0..solid.mesh.tets.len()).all(|t| !solid.layers(t).is_empty()), "{kind}");
     }
+}
+
+#[test]
+fn two_fields_are_coordinates_and_the_third_has_the_scale() {
+    let (solid, report) = filled(TextureType::Type2c, 2);
+    // The frames are the same everywhere, so the patches are exact; the mask hides all their ends.
+    assert!(report.measures.angle_p95_deg < 0.1, "{:?}", report.measures);
+    assert!(
+        report.measures.clump_edge_share < 1e-6 && report.measures.layers_mean < 4.0,
+        "{:?}",
+        report.measures
+    );
+    // Whole cross-sections: few patches for a ball of 2.5 units.
+    assert!(report.patches < 20, "{}", report.patches);
+    for t in 0..solid.mesh.tets.len() {
+        let g = solid.mesh.gradients(t);
+        for uvw in &solid.layer_uvw[solid.layers(t)] {
+            for (w, p) in uvw.iter().zip(solid.mesh.corners(t)) {
+                assert!((f64::from(w[0]) - 0.5 - 0.45 * p.x).abs() < 1e-6);
+                assert!((f64::from(w[1]) - 0.5 - 0.45 * p.y).abs() < 1e-6);
+            }
+            let rise: DVec3 = (0..4).map(|k| g[k] * f64::from(uvw[k][2])).sum();
+            assert!((rise - DVec3::Z / 0.8).length() < 1e-3, "{rise}");
+        }
+    }
+}
+
+#[test]
+fn three_fields_are_the_mapping() {
+    let (solid, report) = filled(TextureType::Type2d, 2);
+    assert_eq!((solid.patches.len(), solid.layer_patch.len()), (1, solid.mesh.tets.len()));
+    assert!(report.measures.angle_p95_deg < 0.1 && report.measures.sharpness > 0.95, "{:?}", report.measures);
+    for t in (0..solid.mesh.tets.len()).step_by(7) {
+        let middle = solid.mesh.corners(t).iter().sum::<DVec3>() / 4.0;
+        let expected = solid.exemplars[0].sample((DVec3::splat(0.5) + 0.45 * middle).as_vec3().to_array());
+        let found = solid.colour(t, [0.25; 4]);
+        assert!((0..4).all(|n| (expected[n] - found[n]).abs() < 1e-4), "{expected:?} {found:?}");
+    }
+}
+
+#[test]
+fn fields_that_are_no_coordinates_are_refused_with_the_place() {
+    let mesh = ball(2, 6);
+    let run = |kind, fields: &Fields| {
+        fill(mesh.clone(), texture([false; 3]), kind, fields, &FillParams::default(), 0, &Exec::default())
+            .map(|_| ())
+    };
+    let good = fields(&mesh, TextureType::Type2c, 0.8);
+    let same = Fields { along: good.depth.clone(), ..good.clone() };
+    let Err(FillError::NoCrossing { share, .. }) = run(TextureType::Type2c, &same) else { panic!() };
+    assert!(share > 0.99);
+    // Flat in the left half.
+    let left = mesh.vertices.iter().map(|p| 0.9 * p.x.max(0.0)).collect();
+    let error = run(TextureType::Type2c, &Fields { along: Some(left), ..good.clone() }).unwrap_err();
+    let FillError::NoCrossing { share, place } = error else { panic!("{error}") };
+    assert!(place.x < -0.1 && (0.4..0.55).contains(&share), "{place} {share}");
+    assert!(error.to_string().contains("'along' and 'depth' do not cross"), "{error}");
+
+    let good = fields(&mesh, TextureType::Type2d, 0.8);
+    let mirror = |field: &Option<Vec<f64>>| field.as_ref().map(|f| f.iter().map(|d| 1.0 - d).collect());
+    let mirrored = Fields { across: mirror(&good.across), ..good.clone() };
+    assert!(matches!(run(TextureType::Type2d, &mirrored), Err(FillError::Folded { mirrored: true, .. })));
+    let folded = mesh.vertices.iter().map(|p| p.z.abs().min(1.0)).collect();
+    let error = run(TextureType::Type2d, &Fields { across: Some(folded), ..good }).unwrap_err();
+    let FillError::Folded { share, place, mirrored: false } = error else { panic!("{error}") };
+    assert!(place.z < 0.0 && (0.4..0.6).contains(&share), "{place} {share}");
 }
 
 #[test]
@@ -110,6 +179,36 @@ fn damaged_models_are_refused() {
     let mut bad = good;
     bad.mesh.tets[0].swap(0, 1);
     assert!(matches!(LappedSolid::from_bytes(&bad.to_bytes()), Err(ModelFileError::Topology(_))));
+}
+
+#[test]
+fn each_type_refuses_what_it_does_not_use_and_misses_what_it_does() {
+    let mesh = ball(1, 2);
+    let count = mesh.vertices.len();
+    for kind in TextureType::ALL {
+        for (n, (name, needed)) in kind.inputs().named().into_iter().enumerate() {
+            // All that it needs, but the opposite of this one.
+            let mut given = fields(&mesh, kind, 1.0);
+            let values = |there: bool| (!there).then(|| vec![0.5; count]);
+            match n {
+                0 => given.depth = values(needed),
+                1 => given.direction = (!needed).then(|| vec![DVec3::X; count]),
+                2 => given.scale = values(needed),
+                3 => given.along = values(needed),
+                _ => given.across = values(needed),
+            }
+            let params = FillParams::default();
+            let run = fill(mesh.clone(), texture([true; 3]), kind, &given, &params, 0, &Exec::default());
+            let error = run.map(|_| ()).unwrap_err();
+            let expected = if needed {
+                FillError::Missing { kind, input: name }
+            } else {
+                FillError::Unused { kind, input: name }
+            };
+            assert_eq!(error, expected);
+            assert!(error.to_string().contains(&format!("type {kind} ")) && error.to_string().contains(name));
+        }
+    }
 }
 
 #[test]

@@ -97,7 +97,7 @@ impl TetMesh {
                 }
             }
             let volume = signed_volume(tet.map(|v| vertices[v as usize]));
-            if volume <= 0.0 {
+            if !(volume > 0.0) {
                 return Err(TopologyError::Inverted { tet: t, volume });
             }
         }
@@ -153,17 +153,64 @@ impl TetMesh {
     /// Each undirected edge once, as (smaller, larger) vertex, sorted.
     #[must_use]
     pub fn edges(&self) -> Vec<[u32; 2]> {
-        let mut edges: Vec<[u32; 2]> = self
-            .tets
-            .iter()
-            .flat_map(|t| {
+        let pairs = || {
+            let all = |t: &[u32; 4]| {
                 [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]
                     .map(|[a, b]: [usize; 2]| [t[a].min(t[b]), t[a].max(t[b])])
-            })
-            .collect();
-        edges.sort_unstable();
-        edges.dedup();
+            };
+            self.tets.iter().flat_map(all)
+        };
+        let mut larger = Buckets::new(pairs().map(|[a, b]| (a, b)));
+        let mut edges = Vec::with_capacity(self.tets.len() * 5 / 4);
+        for a in 0..larger.len() {
+            let mut last = NONE;
+            for &mut b in larger.sorted(a) {
+                if b != last {
+                    edges.push([index(a), b]);
+                    last = b;
+                }
+            }
+        }
         edges
+    }
+}
+
+/// Things by vertex: a counting sort, because sorting all that a large mesh has takes longer the larger it is.
+pub(crate) struct Buckets<T> {
+    start: Vec<usize>,
+    things: Vec<T>,
+}
+
+impl<T: Copy + Default + Ord> Buckets<T> {
+    pub(crate) fn new(things: impl Iterator<Item = (u32, T)> + Clone) -> Self {
+        let most = things.clone().map(|(v, _)| v as usize + 1).max().unwrap_or(0);
+        let mut start = vec![0; most + 1];
+        for (v, _) in things.clone() {
+            start[v as usize + 1] += 1;
+        }
+        for v in 0..most {
+            start[v + 1] += start[v];
+        }
+        let mut end = start.clone();
+        let mut sorted = vec![T::default(); start[most]];
+        for (v, thing) in things {
+            let at = &mut end[v as usize];
+            sorted[*at] = thing;
+            *at += 1;
+        }
+        Self { start, things: sorted }
+    }
+
+    /// One more than the largest vertex.
+    pub(crate) fn len(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    /// The things of vertex `v`, in order.
+    pub(crate) fn sorted(&mut self, v: usize) -> &mut [T] {
+        let things = &mut self.things[self.start[v]..self.start[v + 1]];
+        things.sort_unstable();
+        things
     }
 }
 
@@ -191,24 +238,28 @@ pub(crate) fn index(i: usize) -> u32 {
 
 /// The tetrahedron across each face, or [`NONE`].
 pub(super) fn neighbours(tets: &[[u32; 4]]) -> Result<Vec<[u32; 4]>, TopologyError> {
-    let mut sides: Vec<([u32; 3], u32, u8)> = Vec::with_capacity(tets.len() * 4);
-    for (t, tet) in tets.iter().enumerate() {
-        for (k, face) in TET_FACES.iter().enumerate() {
-            let mut key = face.map(|i| tet[i]);
-            key.sort_unstable();
-            sides.push((key, index(t), k as u8));
-        }
-    }
-    sides.sort_unstable();
+    // Of each face the smallest vertex, then the others and the face's place.
+    let sides = tets.iter().enumerate().flat_map(|(t, tet)| {
+        TET_FACES.iter().enumerate().map(move |(k, face)| {
+            let [mut a, mut b, mut c] = face.map(|i| tet[i]);
+            (a, b) = (a.min(b), a.max(b));
+            (b, c) = (b.min(c), b.max(c));
+            (a, b) = (a.min(b), a.max(b));
+            (a, (b, c, index(t), k as u8))
+        })
+    });
+    let mut sides = Buckets::new(sides);
     let mut result = vec![[NONE; 4]; tets.len()];
-    for group in sides.chunk_by(|a, b| a.0 == b.0) {
-        match group {
-            [_] => {}
-            [(_, t0, k0), (_, t1, k1)] => {
-                result[*t0 as usize][*k0 as usize] = *t1;
-                result[*t1 as usize][*k1 as usize] = *t0;
+    for a in 0..sides.len() {
+        for group in sides.sorted(a).chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
+            match group {
+                [_] => {}
+                [(_, _, t0, k0), (_, _, t1, k1)] => {
+                    result[*t0 as usize][*k0 as usize] = *t1;
+                    result[*t1 as usize][*k1 as usize] = *t0;
+                }
+                _ => return Err(TopologyError::CrowdedFace { face: [index(a), group[0].0, group[0].1] }),
             }
-            _ => return Err(TopologyError::CrowdedFace { face: group[0].0 }),
         }
     }
     Ok(result)

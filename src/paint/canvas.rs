@@ -5,13 +5,12 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use glam::{DVec2, DVec3};
-use serde_json::Value;
 
 use super::layer::layer;
 use super::place::{Ground, Line, Place, View};
 use super::problem::{PaintProblem, Seen};
 use super::trace::trace;
-use crate::lap::LappedSolid;
+use crate::lap::{LappedSolid, bare};
 use crate::mesh::{Caster, TetLocator, TetMesh, Wear};
 use crate::view::Projection;
 
@@ -19,27 +18,6 @@ use crate::view::Projection;
 const SPACING: f64 = 0.5;
 /// Most steps of one line in space that is laid onto a layer.
 const MOST_STEPS: usize = 65_536;
-
-/// A lapped solid without layers: shape alone, for cutting and for pictures of what is not filled yet.
-#[must_use]
-pub fn bare(mesh: TetMesh) -> LappedSolid {
-    let (vertices, tets) = (mesh.vertices.len(), mesh.tets.len());
-    LappedSolid {
-        depth: vec![0.0; vertices],
-        frame: vec![DVec3::AXES; vertices],
-        layer_start: vec![0; tets + 1],
-        layer_patch: Vec::new(),
-        layer_uvw: Vec::new(),
-        patches: Vec::new(),
-        exemplars: Vec::new(),
-        masks: Vec::new(),
-        look: None,
-        tet_origin: (0..tets as u32).collect(),
-        cuts: 0,
-        settings: Value::Null,
-        mesh,
-    }
-}
 
 /// What is painted on: the mesh, what it wears, and the pieces that cuts would leave of it.
 pub struct Canvas<'a> {

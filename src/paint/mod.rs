@@ -16,7 +16,7 @@ mod scale;
 mod trace;
 
 pub use area::{Area, AreaKind, Picks};
-pub use canvas::{Canvas, bare};
+pub use canvas::Canvas;
 pub use depth::{DepthPaint, DepthStroke, PaintedDepth};
 pub use direction::{DirectionStroke, PaintedDirection};
 pub use place::{Ground, Line, Place, View};

@@ -7,7 +7,7 @@ use super::*;
 use crate::cut::{CutParams, CutSurface, cut};
 use crate::exec::Exec;
 use crate::field::{DepthParams, DirectionParams};
-use crate::lap::LappedSolid;
+use crate::lap::{LappedSolid, bare};
 use crate::mesh::shapes::{ball, grid, mapped};
 use crate::mesh::{FaceOrigin, Region, RegionKind, TetMesh, Wear};
 use crate::view::Camera;

@@ -8,9 +8,9 @@ use super::report::Report;
 use crate::cut::cut;
 use crate::exec::Exec;
 use crate::field::{self, DepthField};
-use crate::lap::{Fields, LappedSolid};
+use crate::lap::{Fields, LappedSolid, bare};
 use crate::mesh::{TetMesh, Wear};
-use crate::paint::{Canvas, Ground, bare};
+use crate::paint::{Canvas, Ground};
 
 /// The fields of a part, and the strokes in space that made them.
 #[derive(Debug, Clone)]
@@ -39,7 +39,9 @@ pub(super) fn painted_fields(
         let layers = depth.map(|d| d.values.as_slice());
         let made = canvas.depth(name, &input.paint, &input.params, layers, exec)?;
         report.section(&format!("{name}_field"), &made.field.report);
-        depth_strokes.extend(made.paint.strokes);
+        if name == "depth" {
+            depth_strokes.extend(made.paint.strokes);
+        }
         Ok::<_, PartError>(Some(made.field))
     };
     let depth = painted("depth", &part.depth, None)?;

@@ -47,6 +47,8 @@ pub(super) struct MeshTable {
     pub(super) keep_surface: bool,
     #[serde(default)]
     pub(super) keep_look: bool,
+    #[serde(default)]
+    pub(super) refine_singular: u32,
 }
 
 fn tets() -> usize {

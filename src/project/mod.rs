@@ -7,6 +7,7 @@
 mod check;
 mod fields;
 mod file;
+mod models;
 mod output;
 mod painted;
 mod part;
@@ -14,15 +15,19 @@ mod plan;
 mod problem;
 mod report;
 mod run;
+mod sample;
 mod unknown;
 
 pub use file::{CutEntry, ExportEntry, PictureEntry};
+pub use models::Models;
 pub use output::{OutputError, OutputFile, OutputFolder};
 pub use part::{
-    DepthInput, DirectionInput, Part, PartError, PartMesh, ScaleInput, fill_part, is_tet_file, tet_mesh,
+    DepthInput, DirectionInput, MAX_REFINE_SINGULAR, MadePart, Part, PartError, PartMesh, ScaleInput,
+    fill_part, is_tet_file, painted_part, tet_mesh,
 };
 pub use plan::{Along, Cut, Model, Picture, Project};
 pub use problem::{ProjectError, ProjectProblem};
 pub use report::{Output, Report};
 pub use run::{REPORT_FILE, RunError, RunOptions, apart, run};
+pub use sample::{sample, sample_name};
 pub use unknown::Complaint;

@@ -19,6 +19,9 @@ pub enum OutputError {
     /// A file stands where a folder should go.
     #[error("{} is a file; give the name of a folder", .0.display())]
     IsFile(PathBuf),
+    /// A folder that should be empty is not.
+    #[error("the folder {} is not empty; name a new one, or --force puts the files beside what is there", .0.display())]
+    NotEmpty(PathBuf),
     /// The folder that should hold it does not exist.
     #[error("the folder {} does not exist; make it first", .0.display())]
     NoFolder(PathBuf),
@@ -171,6 +174,18 @@ impl OutputFolder {
         Ok(Self { path: path.to_owned(), beside, names: Vec::new() })
     }
 
+    /// As [`OutputFolder::check`], of a folder that does not exist yet or is empty.
+    ///
+    /// # Errors
+    /// [`OutputError`] says what stands in the way.
+    pub fn check_empty(path: &Path) -> Result<Self, OutputError> {
+        // Before anything is collected there.
+        if fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_some()) {
+            return Err(OutputError::NotEmpty(path.to_owned()));
+        }
+        Self::check(path)
+    }
+
     /// Where the files will lie.
     #[must_use]
     pub fn path(&self) -> &Path {
@@ -258,6 +273,20 @@ mod tests {
         out.add("a", b"2").unwrap();
         assert!(matches!(out.publish(|_| false), Err(OutputError::Exists(_))));
         assert!(!path.join("b").exists());
+    }
+
+    #[test]
+    fn a_folder_that_should_be_empty_is() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("new");
+        fs::create_dir(&path).unwrap();
+        let mut out = OutputFolder::check_empty(&path).unwrap();
+        out.add("a", b"1").unwrap();
+        out.publish(|_| false).unwrap();
+        assert_eq!(fs::read_dir(&path).unwrap().count(), 1);
+        assert!(matches!(OutputFolder::check_empty(&path), Err(OutputError::NotEmpty(_))));
+        assert!(matches!(OutputFolder::check_empty(&path.join("a")), Err(OutputError::IsFile(_))));
+        assert!(OutputFolder::check_empty(&dir.path().join("newer")).is_ok());
     }
 
     #[test]

@@ -8,19 +8,23 @@ use std::time::Instant;
 use glam::DVec3;
 use serde_json::json;
 
-use super::fields::painted_fields;
+use super::fields::{PaintedFields, painted_fields};
 use super::plan::Cut;
 use crate::cut::CutError;
 use crate::exec::{Cancelled, Exec};
-use crate::field::{DepthParams, DirectionParams};
-use crate::lap::{self, FillError, FillParams, LappedSolid, Look, LookError, TextureType};
+use crate::field::{DepthParams, DirectionParams, FrameField, Singularities};
+use crate::lap::{self, Fields, FillError, FillParams, LappedSolid, Look, LookError, TextureType};
 use crate::mesh::{
     self, CleanError, CleanReport, MeshReadError, Mesher, SplitError, TetError, TetFileError, TetMesh,
-    TetParams, TetReport, TriMesh, Wear,
+    TetParams, TetReport, TopologyError, TriMesh, Wear,
 };
 use crate::paint::{DepthPaint, DirectionStroke, Ground, PaintError, PaintProblem, ScaleAt};
 use crate::project::Report;
+use crate::render::Mark;
 use crate::volume::{self, VolumeReadError};
+
+/// The most levels of refinement at singularities.
+pub const MAX_REFINE_SINGULAR: u32 = 6;
 
 /// All that makes one filled model.
 #[derive(Debug, Clone)]
@@ -29,6 +33,8 @@ pub struct Part {
     pub mesh: PathBuf,
     /// How the surface is filled with tetrahedra.
     pub tets: TetParams,
+    /// How often the tetrahedra at singularities of the frames are refined \[LST 7\].
+    pub refine_singular: u32,
     /// Whether the outside keeps the mesh's own look, so that only cuts show the filling.
     pub keep_look: bool,
     /// The solid texture: an `.nrrd` file or a folder of slices.
@@ -134,6 +140,14 @@ pub enum PartError {
         /// Why.
         source: SplitError,
     },
+    /// Refining at the singularities failed.
+    #[error("cannot refine the tetrahedra at the frames' singularities; leave refine_singular at 0")]
+    Refine(#[source] TopologyError),
+    /// More levels of refinement than make sense.
+    #[error(
+        "refine_singular is {0}; it must be 0 to {MAX_REFINE_SINGULAR}: each level halves the edges there"
+    )]
+    RefineLevels(u32),
     /// Something painted that cannot be used.
     #[error(transparent)]
     Paint(PaintError),
@@ -207,9 +221,12 @@ impl Part {
     /// Checks that what is given is what the texture's type draws on \[LST 3, 4\].
     ///
     /// # Errors
-    /// [`PartError::Needs`], [`PartError::Takes`].
+    /// [`PartError::Needs`], [`PartError::Takes`], [`PartError::RefineLevels`].
     pub fn check(&self) -> Result<(), PartError> {
         let kind = self.kind;
+        if self.refine_singular > MAX_REFINE_SINGULAR {
+            return Err(PartError::RefineLevels(self.refine_singular));
+        }
         let given = [
             self.depth.is_some(),
             self.direction.is_some(),
@@ -290,6 +307,7 @@ pub fn tet_mesh(
     report.count("tetrahedra", mesh.tets.len());
     report.count("vertices", mesh.vertices.len());
     report.took("tetrahedralise", start);
+    report.spent("tetgen", made.tetgen_seconds);
     Ok((PartMesh { mesh, surface, wear }, report))
 }
 
@@ -338,16 +356,22 @@ pub fn is_tet_file(path: &Path) -> bool {
     mesh::TET_EXTENSIONS.contains(&extension.as_str())
 }
 
+/// A part that was made, filled or not.
+#[derive(Debug, Clone)]
+pub struct MadePart {
+    /// The model.
+    pub solid: LappedSolid,
+    /// The painted strokes, to be drawn over pictures of the fields.
+    pub marks: Vec<Mark>,
+    /// What was done.
+    pub report: Report,
+}
+
 /// Fills one part: reads its mesh and its texture, makes the tetrahedra and the fields, laps.
 ///
 /// # Errors
 /// [`PartError`] says what stands in the way.
-pub fn fill_part(
-    part: &Part,
-    seed: u64,
-    mesher: &Mesher,
-    exec: &Exec,
-) -> Result<(LappedSolid, Report), PartError> {
+pub fn fill_part(part: &Part, seed: u64, mesher: &Mesher, exec: &Exec) -> Result<MadePart, PartError> {
     part.check()?;
     // The quick things first, so that a wrong file name does not wait for the tetrahedra.
     let start = Instant::now();
@@ -355,13 +379,7 @@ pub fn fill_part(
     let mut report = Report::default();
     report.took("read", start);
     exec.check()?;
-    let (PartMesh { mesh, surface, wear }, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
-    report.join(meshed);
-    let look = if part.keep_look { Some(look(part, surface, &wear, &report.notes)?) } else { None };
-    let mesh = fit_for_depth(part, mesh, &mut report, exec)?;
-    let start = Instant::now();
-    let fields = painted_fields(part, &mesh, &wear, &mut report, exec)?.fields;
-    report.took("fields", start);
+    let Painted { mesh, fields, look, marks } = painted(part, mesher, &mut report, exec)?;
     let start = Instant::now();
     let (mut solid, filled) = lap::fill(mesh, Arc::new(texture), part.kind, &fields, &part.fill, seed, exec)
         .map_err(PartError::Fill)?;
@@ -369,7 +387,78 @@ pub fn fill_part(
     solid.settings = settings(part, seed);
     report.add(&filled);
     report.took("fill", start);
-    Ok((solid, report))
+    Ok(MadePart { solid, marks, report })
+}
+
+/// A part as it is painted, before it is filled: reads its mesh, makes the tetrahedra and the fields. Its solid
+/// texture is not opened.
+///
+/// # Errors
+/// [`PartError`] says what stands in the way.
+pub fn painted_part(part: &Part, mesher: &Mesher, exec: &Exec) -> Result<MadePart, PartError> {
+    part.check()?;
+    let mut report = Report::default();
+    let Painted { mesh, fields, look, marks } = painted(part, mesher, &mut report, exec)?;
+    let mut solid = lap::unfilled(mesh, part.kind, &fields);
+    solid.look = look;
+    solid.settings = settings(part, 0);
+    Ok(MadePart { solid, marks, report })
+}
+
+/// All that a fill begins with.
+struct Painted {
+    mesh: TetMesh,
+    fields: Fields,
+    look: Option<Arc<Look>>,
+    marks: Vec<Mark>,
+}
+
+/// The tetrahedra of a part, refined where its frames are singular, and the fields over them.
+fn painted(part: &Part, mesher: &Mesher, report: &mut Report, exec: &Exec) -> Result<Painted, PartError> {
+    let (PartMesh { mesh, surface, wear }, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
+    report.join(meshed);
+    let look = if part.keep_look { Some(look(part, surface, &wear, &report.notes)?) } else { None };
+    let mut mesh = fit_for_depth(part, mesh, report, exec)?;
+    let start = Instant::now();
+    let mut painted = painted_fields(part, &mesh, &wear, report, exec)?;
+    let mut singular = singularities(part, &mesh, &painted.fields);
+    for _ in 0..part.refine_singular {
+        if singular.tets.is_empty() {
+            break;
+        }
+        exec.check()?;
+        mesh = mesh::refine(&mesh, &singular.tets).map_err(PartError::Refine)?;
+        if part.kind.inputs().depth {
+            // A halved edge of a thin part's surface may join it to itself.
+            mesh = split_for_depth(part, &mesh, exec)?.0;
+        }
+        painted = painted_fields(part, &mesh, &wear, report, exec)?;
+        singular = singularities(part, &mesh, &painted.fields);
+    }
+    report.count("tetrahedra", mesh.tets.len());
+    report.count("vertices", mesh.vertices.len());
+    report.count("singular_edges", singular.edges.len());
+    report.count("singular_tets", singular.tets.len());
+    report.count("singularities", singular.curves);
+    report.took("fields", start);
+    Ok(Painted { mesh, look, marks: marks(&painted), fields: painted.fields })
+}
+
+/// The strokes as they lie in space, to be drawn over pictures.
+fn marks(painted: &PaintedFields) -> Vec<Mark> {
+    let depth = painted.depth_strokes.iter();
+    let direction = painted.direction_strokes.iter();
+    depth
+        .map(|s| Mark::Depth { points: s.points.clone(), depth: s.depth })
+        .chain(direction.map(|s| Mark::Direction { points: s.points.clone() }))
+        .collect()
+}
+
+fn split_for_depth(part: &Part, mesh: &TetMesh, exec: &Exec) -> Result<(TetMesh, mesh::Splits), PartError> {
+    mesh::split_for_depth(mesh, exec).map_err(|e| match e {
+        SplitError::Cancelled(e) => e.into(),
+        source => PartError::Split { path: part.mesh.clone(), source },
+    })
 }
 
 /// Tetrahedra of a file may have their four vertices on the surface; where depth is painted there, they are split.
@@ -379,10 +468,7 @@ fn fit_for_depth(part: &Part, mesh: TetMesh, report: &mut Report, exec: &Exec) -
         return Ok(mesh);
     }
     let start = Instant::now();
-    let (mesh, splits) = mesh::split_for_depth(&mesh, exec).map_err(|e| match e {
-        SplitError::Cancelled(e) => e.into(),
-        source => PartError::Split { path: part.mesh.clone(), source },
-    })?;
+    let (mesh, splits) = split_for_depth(part, &mesh, exec)?;
     report.add(&splits);
     if splits != mesh::Splits::default() {
         report.notes.push(format!(
@@ -394,6 +480,12 @@ fn fit_for_depth(part: &Part, mesh: TetMesh, report: &mut Report, exec: &Exec) -
     report.count("vertices", mesh.vertices.len());
     report.took("read", start);
     Ok(mesh)
+}
+
+/// Where the frames of a part are singular.
+fn singularities(part: &Part, mesh: &TetMesh, fields: &Fields) -> Singularities {
+    let line_field = matches!(&part.direction, Some(DirectionInput::Strokes(_, params)) if params.line_field);
+    FrameField::new(mesh, fields, part.kind.given()).singularities(mesh, line_field)
 }
 
 /// The look that the outside keeps.
@@ -417,6 +509,7 @@ fn settings(part: &Part, seed: u64) -> serde_json::Value {
         "type": part.kind,
         "seed": seed,
         "mesh": part.tets,
+        "refine_singular": part.refine_singular,
         "keep_look": part.keep_look,
         "depth": painted(&part.depth),
         "direction": direction,

@@ -139,6 +139,7 @@ impl Project {
             mesh: folder.join(file.mesh.file),
             tets: TetParams { tets: file.mesh.tets, keep_surface: file.mesh.keep_surface },
             keep_look: file.mesh.keep_look,
+            refine_singular: file.mesh.refine_singular,
             volume: folder.join(file.texture.volume),
             kind: file.texture.kind,
             depth: file.depth.map(|t| tables.depth("depth", t)).transpose()?,
@@ -154,10 +155,28 @@ impl Project {
         let entries = file.picture.unwrap_or_else(|| check::usual_pictures(&name, &cuts));
         let pictures: Vec<Picture> =
             entries.into_iter().map(|entry| check::picture(entry, &names)).collect::<Result<_, _>>()?;
+        for Picture { entry, .. } in &pictures {
+            entry.render.show.check(part.kind).map_err(|source| ProjectProblem::Render {
+                key: format!("picture '{}': render.show", entry.name),
+                source,
+            })?;
+        }
         if let Some(name) = check::repeated(pictures.iter().map(|p| p.entry.name.as_str())) {
             return Err(ProjectProblem::Twice { kind: "picture", name: name.to_owned() });
         }
         Ok(Self { name, seed: file.seed, part, cuts, pictures, export: file.export })
+    }
+
+    /// The model that `word` names: `whole`, `CUT/N`, or all pieces of `CUT`. `key` is where the word stands.
+    ///
+    /// # Errors
+    /// [`ProjectProblem::NoModel`].
+    pub fn model(&self, key: &str, word: &str) -> Result<Model, ProjectProblem> {
+        let mut names = Names::default();
+        for cut in &self.cuts {
+            names.add(&cut.name)?;
+        }
+        names.find(key, word)
     }
 
     /// A model's name in the project file: `whole`, `curve/1`, `curve`.

@@ -51,10 +51,11 @@ impl Report {
 
     /// Adds the time since `start` to the step `name`.
     pub fn took(&mut self, name: &str, start: Instant) {
-        self.add_seconds(name, start.elapsed().as_secs_f64());
+        self.spent(name, start.elapsed().as_secs_f64());
     }
 
-    fn add_seconds(&mut self, name: &str, seconds: f64) {
+    /// Adds seconds that were measured elsewhere to the step `name`.
+    pub fn spent(&mut self, name: &str, seconds: f64) {
         let before = self.seconds.get(name).and_then(Value::as_f64).unwrap_or(0.0);
         // A tenth of a millisecond is all that such a time means.
         self.seconds.insert(name.to_owned(), Value::from(((before + seconds) * 1e4).round() / 1e4));
@@ -102,7 +103,7 @@ impl Report {
         self.counts.extend(part.counts);
         self.measures.extend(part.measures);
         for (step, seconds) in part.seconds {
-            self.add_seconds(&step, seconds.as_f64().unwrap_or(0.0));
+            self.spent(&step, seconds.as_f64().unwrap_or(0.0));
         }
     }
 

@@ -1,6 +1,6 @@
 //! Running a project: fill, cut, draw, export, report.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use std::time::Instant;
@@ -8,17 +8,18 @@ use std::time::Instant;
 use glam::DVec3;
 
 use super::check::repeated;
+use super::models::Models;
 use super::output::{OutputError, OutputFolder};
 use super::part::{PartError, fill_part};
 use super::plan::{Model, Picture, Project};
 use super::report::Report;
-use crate::cut::{CutError, cut};
+use crate::cut::CutError;
 use crate::exec::{Cancelled, Exec};
 use crate::export::{ExportError, export};
 use crate::files::read_whole;
 use crate::lap::LappedSolid;
 use crate::mesh::Mesher;
-use crate::render::{Placed, RenderError, frame_all, frame_all_from, render};
+use crate::render::{Mark, Placed, RenderError, frame_all, frame_all_from, render_marked};
 
 /// The file that a run writes its numbers to: the only one that has timings.
 pub const REPORT_FILE: &str = "report.json";
@@ -99,15 +100,15 @@ pub fn run(project: &Project, out: &Path, options: &RunOptions, exec: &Exec) -> 
     work.check_names(&may_replace)?;
 
     let seed = options.seed.unwrap_or(project.seed);
-    let (whole, filled) = fill_part(&project.part, seed, &options.mesher, exec)?;
-    work.report = filled;
-    let mut models = BTreeMap::from([(Model::Whole, whole)]);
-    work.cut(&mut models, exec)?;
-    for (model, solid) in &models {
-        work.export(*model, solid, exec)?;
+    let made = fill_part(&project.part, seed, &options.mesher, exec)?;
+    work.report = made.report;
+    let (models, cuts) = Models::cut(project, made.solid, exec)?;
+    work.report.join(cuts);
+    for (model, solid) in models.iter() {
+        work.export(model, solid, exec)?;
     }
     for picture in &project.pictures {
-        work.draw(picture, &models, exec)?;
+        work.draw(picture, &models, &made.marks, exec)?;
     }
     work.report.took("total", start);
     work.finish(&earlier, may_replace)
@@ -163,25 +164,6 @@ impl Work<'_> {
         Ok(())
     }
 
-    fn cut(&mut self, models: &mut BTreeMap<Model, LappedSolid>, exec: &Exec) -> Result<(), RunError> {
-        for (number, planned) in self.project.cuts.iter().enumerate() {
-            let start = Instant::now();
-            let user = || format!("the cut '{}'", planned.name);
-            let solid = self.find(models, planned.of, user)?;
-            let surface = planned.along.surface(solid);
-            let failed = |source| RunError::Cut { name: planned.name.clone(), source };
-            let (pieces, made) = cut(solid, &surface, &planned.params, exec).map_err(failed)?;
-            let mut report = Report::default();
-            report.add(&made);
-            report.took("cut", start);
-            self.report.nest(&planned.name, report);
-            for (i, piece) in pieces.into_iter().enumerate() {
-                models.insert(Model::Piece { cut: number, piece: i + 1 }, piece);
-            }
-        }
-        Ok(())
-    }
-
     fn export(&mut self, model: Model, solid: &LappedSolid, exec: &Exec) -> Result<(), RunError> {
         exec.check()?;
         let start = Instant::now();
@@ -202,26 +184,13 @@ impl Work<'_> {
     fn draw(
         &mut self,
         picture: &Picture,
-        models: &BTreeMap<Model, LappedSolid>,
+        models: &Models<'_>,
+        marks: &[Mark],
         exec: &Exec,
     ) -> Result<(), RunError> {
         let start = Instant::now();
         let entry = &picture.entry;
-        let mut shown = Vec::new();
-        for model in &picture.show {
-            match *model {
-                Model::Pieces { cut } => {
-                    shown.extend(
-                        models
-                            .range(Model::Piece { cut, piece: 0 }..=Model::Piece { cut, piece: usize::MAX })
-                            .map(|(_, solid)| solid),
-                    );
-                }
-                model => {
-                    shown.push(self.find(models, model, || format!("the picture '{}'", entry.name))?);
-                }
-            }
-        }
+        let shown = models.shown(&picture.show, || format!("the picture '{}'", entry.name))?;
         let placed = apart(&shown, entry.apart);
         let aspect = f64::from(entry.render.width) / f64::from(entry.render.height);
         let camera = match (entry.camera, entry.from) {
@@ -230,7 +199,7 @@ impl Work<'_> {
             (None, None) => frame_all(&placed, aspect),
         };
         let failed = |source| RunError::Picture { name: entry.name.clone(), source };
-        let drawn = render(&placed, &camera, &entry.render, exec).map_err(failed)?;
+        let drawn = render_marked(&placed, marks, &camera, &entry.render, exec).map_err(failed)?;
         self.put(&format!("{}.png", entry.name), "picture", &drawn.to_png())?;
         self.report.took("render", start);
         Ok(())
@@ -240,22 +209,6 @@ impl Work<'_> {
         self.folder.add(name, bytes)?;
         self.report.output(Path::new(name), kind);
         Ok(())
-    }
-
-    fn find<'m>(
-        &self,
-        models: &'m BTreeMap<Model, LappedSolid>,
-        model: Model,
-        user: impl Fn() -> String,
-    ) -> Result<&'m LappedSolid, RunError> {
-        models.get(&model).ok_or_else(|| {
-            let cut_of = |m: Model| match m {
-                Model::Piece { cut, .. } => Some(cut),
-                Model::Whole | Model::Pieces { .. } => None,
-            };
-            let pieces = models.keys().filter(|m| cut_of(**m) == cut_of(model)).count();
-            RunError::NoPiece { user: user(), model: self.project.model_name(model), pieces }
-        })
     }
 
     /// Writes the report, puts everything into its place, and removes what an earlier run left and this

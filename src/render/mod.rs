@@ -9,10 +9,12 @@
 mod background;
 mod frame;
 mod light;
+mod overlay;
 mod params;
 mod picture;
 mod raster;
 mod scene;
+mod show;
 mod surface;
 #[cfg(test)]
 pub(crate) mod testing;
@@ -26,13 +28,16 @@ pub use background::{Background, BackgroundError};
 pub use frame::{frame_all, frame_all_from};
 pub use params::{MAX_PICTURE_SIDE, PictureSize, PictureSizeError, RenderParams};
 pub use picture::{Difference, Picture, PictureError};
+pub use show::{Mark, Show};
 pub use surface::{CREASE_DEG, Surface, SurfacePoint};
 
 use crate::exec::{Cancelled, Exec};
 use crate::lap::LappedSolid;
 use crate::view::{Camera, CameraError};
 use light::Light;
+use overlay::Overlay;
 use scene::Scene;
+use show::Subject;
 
 /// A solid and where it stands in the picture.
 #[derive(Debug, Clone, Copy)]
@@ -78,6 +83,14 @@ pub enum RenderError {
         /// Greatest value.
         most: f64,
     },
+    /// A solid does not have what is to be shown.
+    #[error("there is no {show} to show: {why}")]
+    Nothing {
+        /// What was to be shown.
+        show: Show,
+        /// Why there is none, and what would help.
+        why: String,
+    },
     /// A solid's offset is NaN or infinite.
     #[error("the offset of solid {solid} is not finite")]
     Offset {
@@ -110,9 +123,25 @@ pub enum RenderError {
 /// alpha < 1 is blended over the background, not over what lies behind it.
 ///
 /// # Errors
-/// [`RenderError`]: bad settings, no memory, cancelled.
+/// [`RenderError`]: bad settings, no memory, nothing of what is to be shown, cancelled.
 pub fn render(
     solids: &[Placed<'_>],
+    camera: &Camera,
+    params: &RenderParams,
+    exec: &Exec,
+) -> Result<Picture, RenderError> {
+    render_marked(solids, &[], camera, params, exec)
+}
+
+/// As [`render`], with the painted strokes drawn over what they paint: those of depth where
+/// [`RenderParams::show`] is [`Show::Depth`], those of direction where it is [`Show::Direction`]. A stroke
+/// moves with each solid, and is hidden where it lies deep below what the picture shows.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_marked(
+    solids: &[Placed<'_>],
+    marks: &[Mark],
     camera: &Camera,
     params: &RenderParams,
     exec: &Exec,
@@ -126,27 +155,43 @@ pub fn render(
     }
 
     let pixels = width as usize * height as usize;
+    let memory = |_| RenderError::Memory { width, height, bytes: pixels as u64 * 4 };
     let mut rgba: Vec<[u8; 4]> = Vec::new();
-    rgba.try_reserve_exact(pixels).map_err(|_| RenderError::Memory {
-        width,
-        height,
-        bytes: pixels as u64 * 4,
-    })?;
+    rgba.try_reserve_exact(pixels).map_err(memory)?;
     rgba.resize(pixels, params.background.0);
 
     let scene = exec.install(|| Scene::new(solids, &view, params, exec))?;
+    let subject = Subject::new(&scene.surfaces, params)?;
     let light = Light::new(&view, params);
+    // Which triangle each pixel sees: only what is drawn over it asks for that.
+    let mut visible: Vec<u32> = Vec::new();
+    if subject.has_overlay() {
+        visible.try_reserve_exact(pixels).map_err(memory)?;
+        visible.resize(pixels, raster::NOTHING);
+    }
     let rows = raster::TILE as usize * width as usize;
+    let mut seen: Vec<&mut [u32]> = visible.chunks_mut(rows).collect();
+    seen.resize_with(scene.bands(), || &mut []);
     let stage = exec.stage("render", scene.bands() as u64);
     let done = AtomicU64::new(0);
     exec.install(|| {
-        rgba.par_chunks_mut(rows).enumerate().try_for_each(|(band, out)| {
+        rgba.par_chunks_mut(rows).zip(seen).enumerate().try_for_each(|(band, (out, seen))| {
             exec.check()?;
-            raster::draw_band(&scene, &light, params, band, out);
+            raster::draw_band(&scene, &light, &subject, params, band, out, seen);
             stage.at(done.fetch_add(1, Ordering::Relaxed) + 1);
             Ok::<(), Cancelled>(())
         })
     })?;
+    if subject.has_overlay() {
+        exec.install(|| {
+            let overlay = Overlay::new(subject.overlay(&scene, &visible, marks, &view, params, exec)?);
+            rgba.par_chunks_mut(rows).enumerate().try_for_each(|(band, out)| {
+                exec.check()?;
+                overlay.draw(width as usize, band * raster::TILE as usize, out);
+                Ok::<(), Cancelled>(())
+            })
+        })?;
+    }
     Ok(Picture { width, height, rgba })
 }
 

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Background, RenderError};
+use super::{Background, RenderError, Show};
 
 /// The longest side of a picture, in pixels.
 pub const MAX_PICTURE_SIDE: u32 = 16384;
@@ -20,6 +20,9 @@ pub struct RenderParams {
     /// Height in pixels, 1 to 16384. On the command line `--size WxH` sets it; see [`PictureSize`].
     #[arg(skip = RenderParams::default().height)]
     pub height: u32,
+    /// What is shown: the texture, or what was painted and how it was lapped in false colours
+    #[arg(long, value_enum, default_value_t = RenderParams::default().show)]
+    pub show: Show,
     /// Colour behind the solids: #rrggbb, #rrggbbaa, transparent, or a name such as white
     #[arg(long, value_name = "COLOUR", default_value_t = RenderParams::default().background)]
     pub background: Background,
@@ -44,6 +47,7 @@ impl Default for RenderParams {
         Self {
             width: 1024,
             height: 1024,
+            show: Show::Texture,
             background: Background::WHITE,
             samples: 4,
             light_azimuth_deg: -20.0,

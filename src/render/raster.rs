@@ -5,6 +5,7 @@ use glam::DVec3;
 use super::RenderParams;
 use super::light::Light;
 use super::scene::{Plane, Scene, Triangle};
+use super::show::Subject;
 use crate::colour::{decode, encode};
 
 /// Side of a tile in pixels; a band is one tile high.
@@ -13,7 +14,7 @@ const SIDE: usize = TILE as usize;
 /// Samples a pixel.
 const SAMPLES: usize = 16;
 /// No triangle.
-const NOTHING: u32 = u32::MAX;
+pub(super) const NOTHING: u32 = u32::MAX;
 
 /// Where the samples lie in a pixel: a 4×4 grid, sheared so that no two share a row or a column. Edges
 /// that run almost along the pixels come out smooth with it.
@@ -27,6 +28,9 @@ const PATTERN: [[f64; 2]; SAMPLES] = {
     }
     pattern
 };
+
+/// The sample nearest to a pixel's centre.
+const CENTRE: usize = 6;
 
 /// The samples that share colour look-ups, as bits.
 const WHOLE: [u16; 1] = [0xffff];
@@ -47,13 +51,16 @@ struct Tile {
     triangle: Vec<[u32; SAMPLES]>,
 }
 
-/// Draws band `band` into its rows of pixels, which hold the background.
+/// Draws band `band` into its rows of pixels, which hold the background, and notes in `visible`, unless it is
+/// empty, which triangle each pixel's centre sees.
 pub(super) fn draw_band(
     scene: &Scene<'_>,
     light: &Light,
+    subject: &Subject,
     params: &RenderParams,
     band: usize,
     out: &mut [[u8; 4]],
+    visible: &mut [u32],
 ) {
     let clusters: &[u16] = match params.samples {
         1 => &WHOLE,
@@ -88,7 +95,10 @@ pub(super) fn draw_band(
                 if seen.iter().all(|&t| t == NOTHING) {
                     continue;
                 }
-                let [r, g, b, a] = pixel(scene, light, seen, clusters, [left + x, top + y]);
+                if let Some(centre) = visible.get_mut(y * width + left + x) {
+                    *centre = seen[CENTRE];
+                }
+                let [r, g, b, a] = pixel(scene, light, subject, seen, clusters, [left + x, top + y]);
                 let gap = (1.0 - a) * behind[3];
                 let alpha = a + gap;
                 let over = |c: f32, n: usize| if alpha > 0.0 { (c + gap * behind[n]) / alpha } else { 0.0 };
@@ -142,6 +152,7 @@ impl Tile {
 fn pixel(
     scene: &Scene<'_>,
     light: &Light,
+    subject: &Subject,
     seen: &[u32; SAMPLES],
     clusters: &[u16],
     [x, y]: [usize; 2],
@@ -170,7 +181,7 @@ fn pixel(
                 continue;
             }
             let at = [corner[0] + at[0] / count, corner[1] + at[1] / count];
-            let [r, g, b, a] = fragment(scene, light, &scene.triangles[name as usize], at);
+            let [r, g, b, a] = fragment(scene, light, subject, &scene.triangles[name as usize], at);
             #[allow(clippy::cast_possible_truncation)] // at most 16
             let weight = a * (count as f32 / SAMPLES as f32);
             for (total, c) in sum.iter_mut().zip([r, g, b, 1.0]) {
@@ -182,7 +193,7 @@ fn pixel(
 }
 
 /// The lit colour of a triangle at a position in pixels: linear light, straight alpha.
-fn fragment(scene: &Scene<'_>, light: &Light, t: &Triangle, [x, y]: [f64; 2]) -> [f32; 4] {
+fn fragment(scene: &Scene<'_>, light: &Light, subject: &Subject, t: &Triangle, [x, y]: [f64; 2]) -> [f32; 4] {
     let e = t.edges.map(|[a, b, c]| (a * x + b * y + c).max(0.0));
     let sum = e[0] + e[1] + e[2];
     let weights = if sum > 0.0 { e.map(|e| e / sum) } else { [1.0 / 3.0; 3] };
@@ -190,10 +201,10 @@ fn fragment(scene: &Scene<'_>, light: &Light, t: &Triangle, [x, y]: [f64; 2]) ->
     let normals = surface.normals(t.face as usize);
     let normal: DVec3 = normals.iter().zip(weights).map(|(n, w)| *n * w).sum();
     let normal = normal.normalize_or(normals[0]);
-    #[allow(clippy::cast_possible_truncation)] // weights in [0, 1]
-    let [r, g, b, a] = surface.colour(t.face as usize, weights.map(|w| w as f32));
+    let ([r, g, b, a], shade) = subject.colour(surface, t, weights, [x, y]);
+    let lit = light.on(if t.behind { -normal } else { normal });
     #[allow(clippy::cast_possible_truncation)] // in [0, 1]
-    let lit = light.on(if t.behind { -normal } else { normal }) as f32;
+    let lit = (1.0 - shade * (1.0 - lit)) as f32;
     [r * lit, g * lit, b * lit, a]
 }
 
@@ -208,6 +219,12 @@ mod tests {
             taken.sort_by(f64::total_cmp);
             assert_eq!(taken, (0..16).map(f64::from).collect::<Vec<_>>());
         }
+    }
+
+    #[test]
+    fn the_centre_sample_is_the_nearest() {
+        let from_centre = |p: &[f64; 2]| (p[0] - 0.5).hypot(p[1] - 0.5);
+        assert!(PATTERN.iter().all(|p| from_centre(p) >= from_centre(&PATTERN[CENTRE]) - 1e-12));
     }
 
     #[test]

@@ -43,6 +43,8 @@ pub(super) struct Triangle {
 /// All that is drawn.
 pub(super) struct Scene<'a> {
     pub(super) surfaces: Vec<Surface<'a>>,
+    /// What is added to the vertices of each.
+    pub(super) offsets: Vec<DVec3>,
     pub(super) triangles: Vec<Triangle>,
     pub(super) width: u32,
     /// Greatest inverse depth that is drawn.
@@ -120,7 +122,8 @@ impl<'a> Scene<'a> {
             }
         }
         let nearest = 1.0 / lens.near;
-        Ok(Self { surfaces, triangles, width: params.width, nearest, band_start, band_triangles })
+        let offsets = solids.iter().map(|p| p.offset).collect();
+        Ok(Self { surfaces, offsets, triangles, width: params.width, nearest, band_start, band_triangles })
     }
 
     pub(super) fn bands(&self) -> usize {

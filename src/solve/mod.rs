@@ -1,11 +1,13 @@
 //! Symmetric positive definite systems, sparse and dense: assemble, factor once, solve many right-hand sides.
 //!
-//! Everything here is sequential on purpose: a parallel sum rounds differently from run to run, and
-//! Lapis gives the same bytes at any thread count. Stages run many such solves side by side instead.
+//! A parallel sum rounds differently from run to run, and Lapis gives the same bytes at any thread count: factors
+//! are sequential, and stages run many such solves side by side; iterations sum over fixed chunks in order.
 
+mod conjugate;
 mod dense;
 mod dissection;
 
+pub(crate) use conjugate::{IterationError, add, conjugate_gradients};
 pub use dense::solve_dense_spd;
 pub use dissection::nested_dissection;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -22,6 +24,12 @@ pub enum SolveError {
     /// The matrix has a zero or negative pivot: something is unconstrained.
     #[error("the {size}×{size} system is not positive definite")]
     NotPositiveDefinite {
+        /// Number of unknowns.
+        size: usize,
+    },
+    /// An iteration did not come near the solution.
+    #[error("the iteration for the {size}×{size} system does not come to an end")]
+    NotConverged {
         /// Number of unknowns.
         size: usize,
     },

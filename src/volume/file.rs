@@ -124,6 +124,12 @@ pub fn write(path: &Path, texture: &SolidTexture) -> Result<(), VolumeWriteError
     write_block(path, texture.size(), 4, texture.voxels().as_flattened(), Some(texture.tiles()))
 }
 
+/// A solid texture as the bytes of an NRRD file, which [`read`] reads.
+#[must_use]
+pub fn to_nrrd(texture: &SolidTexture) -> Vec<u8> {
+    nrrd::encode(texture.size(), 4, texture.voxels().as_flattened(), Some(texture.tiles()))
+}
+
 /// Writes a mask, in grey, in the same ways as [`write()`].
 ///
 /// # Errors

@@ -44,16 +44,23 @@ impl AlphaMask {
         let y = Tap::new(uvw[1], self.size[1], false);
         let z = Tap::new(uvw[2], self.size[2], false);
         let (nx, ny) = (self.size[0] as usize, self.size[1] as usize);
-        let at = |i: usize, j: usize, k: usize| f32::from(self.alpha[(k * ny + j) * nx + i]);
-        let row = |j: usize, k: usize| {
-            let (a, b) = (at(x.lo, j, k), at(x.hi, j, k));
+        let rows = [(z.lo, y.lo), (z.lo, y.hi), (z.hi, y.lo), (z.hi, y.hi)].map(|(k, j)| {
+            let row = (k * ny + j) * nx;
+            [self.alpha[row + x.lo], self.alpha[row + x.hi]]
+        });
+        // Most of a mask is clear or opaque.
+        if rows.as_flattened().iter().all(|a| *a == rows[0][0]) {
+            return f32::from(rows[0][0]) / 255.0;
+        }
+        let along = |[a, b]: [u8; 2]| {
+            let (a, b) = (f32::from(a), f32::from(b));
             a + (b - a) * x.t
         };
-        let plane = |k: usize| {
-            let (a, b) = (row(y.lo, k), row(y.hi, k));
+        let plane = |lo: [u8; 2], hi: [u8; 2]| {
+            let (a, b) = (along(lo), along(hi));
             a + (b - a) * y.t
         };
-        let (a, b) = (plane(z.lo), plane(z.hi));
+        let (a, b) = (plane(rows[0], rows[1]), plane(rows[2], rows[3]));
         // The lerp above is exact where all corners agree, so an opaque voxel block gives exactly 1.
         (a + (b - a) * z.t) / 255.0
     }

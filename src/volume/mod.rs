@@ -7,7 +7,7 @@ mod slices;
 mod splotch;
 mod texture;
 
-pub use file::{VolumeReadError, VolumeWriteError, read, read_mask, write, write_mask};
+pub use file::{VolumeReadError, VolumeWriteError, read, read_mask, to_nrrd, write, write_mask};
 pub use mask::AlphaMask;
 pub use nrrd::NrrdError;
 pub use slices::SlicesError;

@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use lapis::exec::Exec;
-use lapis::lap::{LappedSolid, Patch};
+use lapis::lap::{LappedSolid, Patch, bare};
 use lapis::mesh::{FaceOrigin, TetMesh};
 use lapis::render::{Picture, RenderParams, frame_all_from, render};
 use lapis::volume::{self, AlphaMask};
 
-/// The texture's x axis points to the left front, y away from the outside, which lies to the right front, and z up.
+/// The outside (y = 0) lies to the right front, a section across x to the left front, one across z on top.
 pub(crate) fn picture(volume: &Path, exec: &Exec) -> Result<Picture, Box<dyn Error>> {
     let cube = cube(volume)?;
     let placed = [(&cube).into()];
@@ -28,18 +28,14 @@ fn cube(volume: &Path) -> Result<LappedSolid, Box<dyn Error>> {
     let tets: Vec<[u32; 4]> =
         vec![[0, 1, 3, 7], [0, 5, 1, 7], [0, 3, 2, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 6, 4, 7]];
     let layer_uvw = tets.iter().map(|t| t.map(|v| vertices[v as usize].as_vec3().to_array())).collect();
+    let mesh = TetMesh::new(vertices, tets, |_, _| FaceOrigin::Input(0))?;
     Ok(LappedSolid {
-        depth: vertices.iter().map(|v| v.y).collect(),
-        frame: vec![DVec3::AXES; 8],
         layer_start: (0..=6).collect(),
         layer_patch: vec![0; 6],
         layer_uvw,
         patches: vec![Patch { exemplar: 0, mask: 0 }],
         exemplars: vec![Arc::new(volume::read(volume)?)],
         masks: vec![Arc::new(AlphaMask::new([2; 3], vec![255; 8])?)],
-        tet_origin: (0..6).collect(),
-        cuts: 0,
-        settings: serde_json::Value::Null,
-        mesh: TetMesh::new(vertices, tets, |_, _| FaceOrigin::Input(0))?,
+        ..bare(mesh)
     })
 }

@@ -7,8 +7,8 @@ pub(crate) struct Model {
     pub(crate) title: &'static str,
     /// What it is, and what to look at.
     pub(crate) text: &'static str,
-    /// Its row of Table 1 of the paper.
-    pub(crate) paper: Paper,
+    /// Its row of Table 1 of the paper, where it has one.
+    pub(crate) paper: Option<Paper>,
 }
 
 /// A row of Table 1.
@@ -29,7 +29,7 @@ pub(crate) const MODELS: [Model; 4] = [
                they run from the core outwards in every section, because the texture's second axis is the depth \
                itself. Look at the ends of the core, too, where all directions meet: there seeds are stretched or \
                blended.",
-        paper: Paper { tetrahedra: 4126, fill_s: 39.0, cut_ms: 78.0, megabytes: 9.1 },
+        paper: Some(Paper { tetrahedra: 4126, fill_s: 39.0, cut_ms: 78.0, megabytes: 9.1 }),
     },
     Model {
         name: "carrot",
@@ -39,7 +39,7 @@ pub(crate) const MODELS: [Model; 4] = [
                its place, and everything gets finer towards the tip. Look at how the same texture shows rays in a \
                section across and long fibres in one along the root, and at the side roots that cross the bast to \
                end in a scar on the skin.",
-        paper: Paper { tetrahedra: 2313, fill_s: 31.0, cut_ms: 63.0, megabytes: 7.1 },
+        paper: Some(Paper { tetrahedra: 2313, fill_s: 31.0, cut_ms: 63.0, megabytes: 7.1 }),
     },
     Model {
         name: "watermelon",
@@ -47,13 +47,13 @@ pub(crate) const MODELS: [Model; 4] = [
         text: "Rind, flesh and seeds depend on the depth alone; in the two other directions the texture may turn as \
                it likes, and each copy is turned at random. Look at the layers, which follow the rind in every \
                section, and at the seeds, which point to the middle.",
-        paper: Paper { tetrahedra: 2717, fill_s: 25.0, cut_ms: 63.0, megabytes: 9.0 },
+        paper: Some(Paper { tetrahedra: 2717, fill_s: 25.0, cut_ms: 63.0, megabytes: 9.0 }),
     },
     Model {
         name: "tube",
         title: "Tube",
         text: "Fibres that follow a bent tube: strokes along it set the direction, and about that direction each copy \
                of the texture is turned at random. Look at the same fibres cut across and cut along.",
-        paper: Paper { tetrahedra: 1089, fill_s: 18.0, cut_ms: 31.0, megabytes: 2.7 },
+        paper: Some(Paper { tetrahedra: 1089, fill_s: 18.0, cut_ms: 31.0, megabytes: 2.7 }),
     },
 ];

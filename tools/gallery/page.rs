@@ -26,8 +26,8 @@ Each model is a mesh, a small solid texture and a project file that says what is
 makes the pictures below it in full size, GLB files for any viewer, and `.lapis` models to cut again. The cube is the
 solid texture alone: 64×64×64 voxels, of which the whole model is made.
 
-Meshes and textures are made by programs under `tools/`; the models are the paper's own, with as many tetrahedra as
-in its Table 1. What the measures mean is explained in [project-file.md](project-file.md#what-the-numbers-mean).
+Meshes and textures are made by programs under `tools/`; the models are those of the paper's Table 1, with as many
+tetrahedra. What the measures mean is explained in [project-file.md](project-file.md#what-the-numbers-mean).
 ";
 
 fn section(page: &mut String, one: &Shown) -> Result<(), Box<dyn Error>> {
@@ -87,7 +87,7 @@ fn table(page: &mut String, shown: &[Shown], machine: &str) -> Result<(), Box<dy
     )?;
     writeln!(page, "|---|---|---|---|---|---|---|---|---|---|---|")?;
     for one in shown {
-        let paper = &one.model.paper;
+        let Some(paper) = &one.model.paper else { continue };
         let fill = number(&one.report, "fields")? + number(&one.report, "fill")?;
         let cut = 1000.0 * number(&one.report, "cut")? / one.project.cuts.len().max(1) as f64;
         writeln!(

@@ -9,9 +9,9 @@ use std::path::Path;
 
 use ::gltf::mesh::Mode;
 use ::gltf::scene::Transform;
-use ::gltf::{Document, Node, Semantic, json};
+use ::gltf::{Document, Node, Semantic};
 use glam::{DMat4, DQuat, DVec3};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::polygons::base;
 use super::regions::Regions;
@@ -37,7 +37,7 @@ const HARMLESS: [&str; 8] = [
 pub(super) fn read(bytes: &[u8], folder: &Path) -> Result<MeshFile, MeshFault> {
     let (text, blob) = if bytes.starts_with(b"glTF") { split(bytes)? } else { (bytes, None) };
     // The message has line and column.
-    let root: Value = serde_json::from_slice(text).map_err(invalid)?;
+    let root: Value = serde_json::from_slice(text).map_err(|e| invalid(&e))?;
     refuse_extensions(&root, blob.is_some())?;
     let primitives = primitives(&root);
     let document = document(root.clone())?;
@@ -92,7 +92,7 @@ fn mesh_name(mesh: &::gltf::Mesh<'_>) -> String {
         .map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned)
 }
 
-fn invalid(e: serde_json::Error) -> MeshFault {
+fn invalid(e: &serde_json::Error) -> MeshFault {
     MeshFault::malformed(Place::Whole, format!("the glTF JSON: {e}"))
 }
 
@@ -221,13 +221,21 @@ fn document(mut root: Value) -> Result<Document, MeshFault> {
         let what = format!("POSITION names accessor {index}, but there are {accessors}");
         return Err(MeshFault::malformed(Place::Whole, what));
     }
+    let views = root.get("bufferViews").and_then(Value::as_array).is_some_and(|views| !views.is_empty());
     each(&mut root, "accessors", &mut |accessor| {
+        // Zeros by the specification; the crate wants to see some data, and gets no change to those zeros.
+        if views && !accessor.contains_key("bufferView") && !accessor.contains_key("sparse") {
+            let sparse = json!({
+                "count": 0, "indices": {"bufferView": 0, "componentType": 5121}, "values": {"bufferView": 0}
+            });
+            accessor.insert("sparse".to_owned(), sparse);
+        }
         // The bounds are asked for by the specification, but nothing is read from them.
         for key in ["min", "max"] {
             accessor.insert(key.to_owned(), Value::from(vec![0.0; 3]));
         }
     });
-    let root: json::Root = serde_json::from_value(root).map_err(invalid)?;
+    let root: ::gltf::json::Root = serde_json::from_value(root).map_err(|e| invalid(&e))?;
     Document::from_json(root).map_err(|e| {
         let what = match e {
             ::gltf::Error::Validation(faults) => {

@@ -94,7 +94,8 @@ fn colour(values: &[&[u8]]) -> Option<[u8; 3]> {
 fn beside(folder: &Path, name: &str) -> Result<Vec<u8>, String> {
     let name = name.replace('\\', "/");
     let last = name.rsplit('/').next().unwrap_or(&name);
-    let path = below(folder, &name).or_else(|| below(folder, last)).ok_or("no name of a file")?;
+    let named = below(folder, &name).filter(|path| path.is_file());
+    let path = named.or_else(|| below(folder, last)).ok_or("no name of a file")?;
     files::read_whole(&path).map_err(|e| e.to_string())
 }
 

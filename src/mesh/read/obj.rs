@@ -434,7 +434,7 @@ mod tests {
         assert_eq!(wear.uv[1], [[0.25, 0.25], [1.0, 1.0], [0.0, 1.0]]);
         assert_eq!(notes.len(), 3, "{notes:?}");
         assert!(
-            notes[0].contains("gone.png") && notes[1].contains("line 11") && notes[2].contains("1 corner")
+            notes[0].contains("gone.png") && notes[1].contains("line 12") && notes[2].contains("1 corner")
         );
         // Without the material file, all the rest is there.
         let lost = super::read(text.as_bytes(), Path::new("nowhere")).unwrap();

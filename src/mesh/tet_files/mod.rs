@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 
+use super::tetrahedralise::out_of_range;
+use super::tri::bounds;
 use super::{FaceOrigin, TetMesh, TopologyError, index, signed_volume};
 use crate::files::{read_whole, write_all};
 pub use fault::TetFileError;
@@ -54,6 +56,15 @@ pub fn read_tets(path: &Path) -> Result<TetMesh, TetFileError> {
             return Err(TetFileError::Format { path: path.to_owned(), doing });
         }
     };
+    if let Some((low, high)) = bounds(&soup.points)
+        && let Some((size, away, problem)) = out_of_range(low, high)
+    {
+        let what = format!(
+            "the points take {size:e} and lie {away:e} from the origin: too {problem} to compute with; scale them to \
+             a size near 1 and move them to the origin"
+        );
+        return Err(Fault::whole(what).at(&path));
+    }
     soup.mesh().map_err(|source| TetFileError::Topology { path, source })
 }
 

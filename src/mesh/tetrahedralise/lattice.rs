@@ -37,11 +37,16 @@ pub(super) fn inner_points(
             (0..count.y)
                 .into_par_iter()
                 .map(|y| {
-                    let inside = |p: &DVec3| locator.distance(*p) >= gap && locator.winding(*p) != 0;
+                    let start = origin + cell * DVec3::new(0.0, y as f64, z as f64);
+                    // The points of a row share a line.
+                    let lines = [start, start + cell * 0.5].map(|p| locator.line(p));
+                    let inside =
+                        |(k, p): &(usize, DVec3)| locator.is_clear(*p, gap) && lines[*k].winding(*p) != 0;
                     (0..count.x)
                         .map(|x| origin + cell * DVec3::new(x as f64, y as f64, z as f64))
-                        .flat_map(|p| [p, p + cell * 0.5])
+                        .flat_map(|p| [(0, p), (1, p + cell * 0.5)])
                         .filter(inside)
+                        .map(|(_, p)| p)
                         .collect()
                 })
                 .collect()

@@ -1,5 +1,7 @@
 //! One trial: the surface prepared for an edge length, TetGen run on it, its answer made safe for depth.
 
+use std::time::Instant;
+
 use glam::DVec3;
 
 use super::cells::{CarveError, Cells};
@@ -119,6 +121,8 @@ pub(super) struct Maker<'a> {
     /// The latest prepared surface, for which edge and whether simplified.
     prepared: Option<(f64, bool, Prepared)>,
     runs: usize,
+    /// Seconds of these runs.
+    seconds: f64,
     hangs: usize,
     failures: Vec<String>,
 }
@@ -153,6 +157,7 @@ impl<'a> Maker<'a> {
             ways,
             prepared: None,
             runs: 0,
+            seconds: 0.0,
             hangs: 0,
             failures: Vec::new(),
         }
@@ -269,10 +274,13 @@ impl<'a> Maker<'a> {
         points: &mut Vec<DVec3>,
     ) -> Result<Cells, CarveError> {
         let (mesher, limits, exec, frame) = (self.mesher, self.limits, self.exec, self.frame);
-        let runs = &mut self.runs;
+        let (runs, seconds) = (&mut self.runs, &mut self.seconds);
         let run = |job: &Job| {
             *runs += 1;
-            mesher.run(job, limits, exec)
+            let start = Instant::now();
+            let answer = mesher.run(job, limits, exec);
+            *seconds += start.elapsed().as_secs_f64();
+            answer
         };
         match conform(surface, corners, points, |p| frame.box_from_world(p), run, exec)? {
             Conformed::Yes(answer) => {
@@ -350,7 +358,9 @@ impl<'a> Maker<'a> {
                 keep_surface: way.keep_surface,
             };
             self.runs += 1;
+            let start = Instant::now();
             let answer = self.mesher.run(&job, self.limits, self.exec);
+            self.seconds += start.elapsed().as_secs_f64();
             let carved = answer.map_err(CarveError::from).and_then(|a| Cells::carve(a, surface, self.exec));
             let last = match carved {
                 Ok(cells) => return Ok(cells),
@@ -418,6 +428,7 @@ impl<'a> Maker<'a> {
             boundary_faces: mesh.boundary.len(),
             mesher: self.mesher.to_string(),
             runs: self.runs,
+            tetgen_seconds: self.seconds,
             failures: self.failures,
             input_triangles: self.mesh.triangles.len(),
             surface_triangles: surface.mesh.triangles.len(),

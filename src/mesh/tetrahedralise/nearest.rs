@@ -67,12 +67,22 @@ impl Locator {
         found
     }
 
+    /// Whether no triangle is nearer than this. Quicker than the distance, whose search goes on until it has
+    /// looked at all triangles that are about as near: around the axis of a tube, those of a whole ring.
+    pub(super) fn is_clear(&self, p: DVec3, distance: f64) -> bool {
+        self.tree.locate_within_distance(p.to_array(), distance * distance).next().is_none()
+    }
+
     /// How often the closed surface winds around `p`, which does not lie on it: 0 outside.
     pub(super) fn winding(&self, p: DVec3) -> i32 {
-        // A ray along x. In the plane across it, a point on an edge counts as a little beside it, the same
-        // for both triangles at that edge.
+        self.line(p).winding(p)
+    }
+
+    /// The line along x from `p` on, for the windings of points on it.
+    pub(super) fn line(&self, p: DVec3) -> Line {
+        // In the plane across the line, a point on an edge counts as a little beside it, the same for both
+        // triangles at that edge.
         let across = |q: DVec3| Coord { x: q.y, y: q.z };
-        let whole = |q: DVec3| Coord3D { x: q.x, y: q.y, z: q.z };
         let crosses = |a: DVec3, b: DVec3| {
             if a.z <= p.z && b.z > p.z {
                 i32::from(orient2d(across(a), across(b), across(p)) > 0.0)
@@ -83,17 +93,31 @@ impl Locator {
             }
         };
         let ray = AABB::from_corners(p.to_array(), [self.far.max(p.x), p.y, p.z]);
-        let mut total = 0;
+        let mut crossed = Vec::new();
         for triangle in self.tree.locate_in_envelope_intersecting(&ray) {
             let [a, b, c] = triangle.corners;
             let turns = crosses(a, b) + crosses(b, c) + crosses(c, a);
-            // Positive: p lies below the plane of a, b, c seen counter-clockwise.
-            let side = orient3d(whole(a), whole(b), whole(c), whole(p));
-            if turns != 0 && side * f64::from(turns) > 0.0 {
-                total += turns;
+            if turns != 0 {
+                crossed.push((triangle.corners, turns));
             }
         }
-        total
+        Line { crossed }
+    }
+}
+
+/// A line along x and the triangles that it passes through, each with the sense in which it does.
+pub(super) struct Line {
+    crossed: Vec<([DVec3; 3], i32)>,
+}
+
+impl Line {
+    /// How often the surface winds around a point of the line.
+    pub(super) fn winding(&self, p: DVec3) -> i32 {
+        let whole = |q: DVec3| Coord3D { x: q.x, y: q.y, z: q.z };
+        // Positive: p lies below the plane of a, b, c seen counter-clockwise.
+        let side = |[a, b, c]: [DVec3; 3]| orient3d(whole(a), whole(b), whole(c), whole(p));
+        let ahead = self.crossed.iter().filter(|(corners, turns)| side(*corners) * f64::from(*turns) > 0.0);
+        ahead.map(|(_, turns)| turns).sum()
     }
 }
 

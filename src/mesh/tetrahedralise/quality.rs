@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::mesh::{TET_FACES, TetMesh};
 
 /// The smallest and the largest dihedral angle of a tetrahedron, in radians.
-pub(super) fn dihedral_angles(p: [DVec3; 4]) -> (f64, f64) {
+pub(in crate::mesh) fn dihedral_angles(p: [DVec3; 4]) -> (f64, f64) {
     let normals = TET_FACES.map(|[a, b, c]| (p[b] - p[a]).cross(p[c] - p[a]).normalize_or_zero());
     let mut range = (f64::INFINITY, 0.0f64);
     for i in 0..4 {

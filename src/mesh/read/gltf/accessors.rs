@@ -126,7 +126,7 @@ fn all<T: Item, U>(
         return Err(MeshFault::TooLarge("values in one accessor"));
     }
     let size = accessor.size();
-    if accessor.view().is_none() && accessor.sparse().is_none() {
+    if accessor.view().is_none() && accessor.sparse().is_none_or(|sparse| sparse.count() == 0) {
         let zero = [0; 16];
         let zero = zero.get(..size).ok_or_else(|| fault.of("its items are too large"))?;
         return Ok((0..count).map(|_| map(T::from_slice(zero))).collect());

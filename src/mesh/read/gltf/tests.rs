@@ -1,7 +1,5 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use serde_json::json;
-
 use super::super::pictures::tests::{grey_jpeg, png};
 use super::*;
 use crate::mesh::{Material, Region};

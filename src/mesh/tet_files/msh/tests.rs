@@ -41,8 +41,8 @@ pub(in super::super) fn binary(version: &str, big: bool) -> Vec<u8> {
     f.extend(b"\n$EndMeshFormat\n$Nodes\n");
     if version.starts_with('2') {
         f.extend(b"6\n");
-        for i in 0..6 {
-            f.extend(int(big, TAGS[i] as i32));
+        for (i, tag) in TAGS.iter().enumerate() {
+            f.extend(int(big, *tag as i32));
             f.extend(place(i));
         }
         f.extend(b"\n$EndNodes\n$Elements\n3\n");
@@ -114,7 +114,7 @@ fn faults_are_located_and_say_what_helps() {
         (two("2.2 0 8", "4.0 0 8"), "line 2: MSH version 4 is not read"),
         (two("2.2 0 8", "2.2 0 4"), "4 bytes"),
         (two("2.2 0 8", "2.2 7 8"), "file type 7"),
-        (two("3 1 0 0", "3 1 x 0"), "line 10: \"x\" where y belongs"),
+        (two("3 1 0 0", "3 1 x 0"), "line 11: \"x\" where y belongs"),
         (two("3 1 0 0", "3 1 nan 0"), "node 3 has a coordinate"),
         (two("3 1 0 0", "10 1 0 0"), "two nodes have the number 10"),
         (two("3 1 0 0", "-3 1 0 0"), "-3 is no node's number"),

@@ -124,8 +124,10 @@ fn data_array(kind: &str, name: &str, components: usize, bytes: &[u8]) -> String
         .chain(blocks.iter().map(Vec::len))
         .flat_map(|n| (n as u64).to_le_bytes())
         .collect();
+    // Scalars are what is meant where nothing is said; meshio takes an explicit 1 for a matrix of one column.
+    let shape = if components == 1 { String::new() } else { format!(" NumberOfComponents=\"{components}\"") };
     format!(
-        "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">\n\
+        "<DataArray type=\"{kind}\" Name=\"{name}\"{shape} format=\"binary\">\n\
          {}{}\n</DataArray>\n",
         STANDARD.encode(header),
         STANDARD.encode(blocks.concat())

@@ -3,61 +3,61 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::mesh::{TetMesh, index, signed_volume};
+use super::{TetMesh, index, signed_volume};
 
 /// The weights of a part that is a whole tetrahedron.
-pub(super) const WHOLE: u32 = u32::MAX;
+pub(crate) const WHOLE: u32 = u32::MAX;
 /// A face inside the parent.
-pub(super) const INNER: u8 = 4;
+pub(crate) const INNER: u8 = 4;
 
 /// Barycentric coordinates in the parent of a part's four vertices.
-pub(super) type Weights = [[f64; 4]; 4];
+pub(crate) type Weights = [[f64; 4]; 4];
 
 const IDENTITY: Weights =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 
 /// A part of a tetrahedron.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Part {
+pub(crate) struct Part {
     /// Its vertices; positive.
-    pub(super) vertices: [u32; 4],
+    pub(crate) vertices: [u32; 4],
     /// The tetrahedron that it is part of.
-    pub(super) parent: u32,
+    pub(crate) parent: u32,
     /// The face of the parent that its face opposite each vertex lies on, or [`INNER`].
-    pub(super) faces: [u8; 4],
+    pub(crate) faces: [u8; 4],
     /// Its place in [`Subdivision::weights`], or [`WHOLE`].
-    pub(super) weights: u32,
+    pub(crate) weights: u32,
 }
 
 /// An edge and the place at which it is split.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Split {
+pub(crate) struct Split {
     /// Its vertices, the smaller first.
-    pub(super) edge: [u32; 2],
+    pub(crate) edge: [u32; 2],
     /// The new vertex's place, from 0 at the first vertex to 1 at the second.
-    pub(super) t: f64,
+    pub(crate) t: f64,
     /// Splits of higher rank come first.
-    pub(super) rank: f64,
+    pub(crate) rank: f64,
 }
 
 impl Split {
     /// A split of no special rank.
-    pub(super) fn at(edge: [u32; 2], t: f64) -> Self {
+    pub(crate) fn at(edge: [u32; 2], t: f64) -> Self {
         Self { edge, t, rank: 0.0 }
     }
 }
 
 /// A mesh whose tetrahedra are being divided.
 #[derive(Debug)]
-pub(super) struct Subdivision {
+pub(crate) struct Subdivision {
     /// The mesh's vertices, then the new ones.
-    pub(super) vertices: Vec<DVec3>,
+    pub(crate) vertices: Vec<DVec3>,
     /// How each new vertex came about.
-    pub(super) splits: Vec<Split>,
+    pub(crate) splits: Vec<Split>,
     /// The parts; those that a split adds stand at the end.
-    pub(super) parts: Vec<Part>,
+    pub(crate) parts: Vec<Part>,
     /// Weights of the parts that are no whole tetrahedra.
-    pub(super) weights: Vec<Weights>,
+    pub(crate) weights: Vec<Weights>,
 }
 
 /// A part under division, with its own weights.
@@ -73,23 +73,24 @@ type Batch = (Vec<u8>, Vec<Slice>, Vec<u32>);
 
 impl Subdivision {
     /// All tetrahedra whole.
-    pub(super) fn new(mesh: &TetMesh) -> Self {
-        let part = |(t, vertices): (usize, &[u32; 4])| Part {
-            vertices: *vertices,
-            parent: index(t),
+    pub(crate) fn new(mesh: &TetMesh) -> Self {
+        Self::of(mesh, &(0..index(mesh.tets.len())).collect::<Vec<_>>())
+    }
+
+    /// Some tetrahedra, all whole. An edge may be split only where all tetrahedra around it are among them.
+    pub(crate) fn of(mesh: &TetMesh, tets: &[u32]) -> Self {
+        let part = |&t: &u32| Part {
+            vertices: mesh.tets[t as usize],
+            parent: t,
             faces: [0, 1, 2, 3],
             weights: WHOLE,
         };
-        Self {
-            vertices: mesh.vertices.clone(),
-            splits: Vec::new(),
-            parts: mesh.tets.iter().enumerate().map(part).collect(),
-            weights: Vec::new(),
-        }
+        let parts = tets.iter().map(part).collect();
+        Self { vertices: mesh.vertices.clone(), splits: Vec::new(), parts, weights: Vec::new() }
     }
 
     /// Corners of a part.
-    pub(super) fn corners(&self, part: &Part) -> [DVec3; 4] {
+    pub(crate) fn corners(&self, part: &Part) -> [DVec3; 4] {
         part.vertices.map(|v| self.vertices[v as usize])
     }
 
@@ -103,14 +104,14 @@ impl Subdivision {
     /// # Errors
     /// If round-off would leave a part flat or inside out, nothing is split; the splits at fault are
     /// returned by their places, sorted, each once.
-    pub(super) fn split(&mut self, splits: &[Split]) -> Result<Vec<u32>, Vec<u32>> {
+    pub(crate) fn split(&mut self, splits: &[Split]) -> Result<Vec<u32>, Vec<u32>> {
         let old = self.vertices.len();
-        let mut touched = vec![false; old];
+        let mut marks = Marks::new(splits, old);
         let mut lengths = Vec::with_capacity(splits.len());
         for s in splits {
             let [a, b] = s.edge.map(|v| self.vertices[v as usize]);
             for v in s.edge {
-                touched[v as usize] = true;
+                marks.touched[v as usize] = true;
             }
             lengths.push((b - a).length_squared());
             self.vertices.push(a + (b - a) * s.t);
@@ -119,14 +120,10 @@ impl Subdivision {
         let hits: Vec<u32> = (0..index(this.parts.len()))
             .into_par_iter()
             .with_min_len(4096)
-            .filter(|&i| {
-                let part = &this.parts[i as usize];
-                let ends = part.vertices.iter().filter(|&&v| touched[v as usize]).count();
-                ends > 1 && marked(splits, part).1 > 0
-            })
+            .filter(|&i| marks.of(&this.parts[i as usize]).1 > 0)
             .collect();
         let batches: Vec<Batch> =
-            hits.par_chunks(256).map(|c| this.slice(c, splits, &lengths, old)).collect();
+            hits.par_chunks(256).map(|c| this.slice(c, &marks, &lengths, old)).collect();
         let mut bad: Vec<u32> = batches.iter().flat_map(|b| b.2.iter().copied()).collect();
         if !bad.is_empty() {
             self.vertices.truncate(old);
@@ -165,13 +162,14 @@ impl Subdivision {
         Ok(changed)
     }
 
-    fn slice(&self, hits: &[u32], splits: &[Split], lengths: &[f64], old: usize) -> Batch {
+    fn slice(&self, hits: &[u32], marks: &Marks<'_>, lengths: &[f64], old: usize) -> Batch {
         let mut counts = Vec::with_capacity(hits.len());
         let mut slices: Vec<Slice> = Vec::with_capacity(hits.len() * 5);
         let mut bad = Vec::new();
         for &i in hits {
             let part = &self.parts[i as usize];
-            let (mut list, n) = marked(splits, part);
+            let splits = marks.splits;
+            let (mut list, n) = marks.of(part);
             let list = &mut list[..n];
             let key = |s: u32| (splits[s as usize].rank, lengths[s as usize]);
             list.sort_unstable_by(|&a, &b| {
@@ -200,22 +198,53 @@ impl Subdivision {
     }
 }
 
-/// The splits on a part's edges, by their places, and how many they are.
-fn marked(splits: &[Split], part: &Part) -> ([u32; 6], usize) {
-    let (mut list, mut n) = ([0; 6], 0);
-    for edge in edges(part.vertices) {
-        if let Ok(at) = splits.binary_search_by_key(&edge, |s| s.edge) {
-            list[n] = index(at);
-            n += 1;
-        }
-    }
-    (list, n)
+/// Where the splits of a vertex's edges are found.
+struct Marks<'a> {
+    splits: &'a [Split],
+    /// Whether each vertex is an end of a split edge.
+    touched: Vec<bool>,
+    /// Where the splits begin whose first vertex is this one, and the end.
+    first: Vec<u32>,
 }
 
+impl<'a> Marks<'a> {
+    fn new(splits: &'a [Split], vertices: usize) -> Self {
+        let mut first = vec![0u32; vertices + 1];
+        for s in splits {
+            first[s.edge[0] as usize + 1] += 1;
+        }
+        for v in 0..vertices {
+            first[v + 1] += first[v];
+        }
+        Self { splits, touched: vec![false; vertices], first }
+    }
+
+    /// The splits on a part's edges, by their places, and how many they are.
+    fn of(&self, part: &Part) -> ([u32; 6], usize) {
+        let (mut list, mut n) = ([0; 6], 0);
+        let touched = part.vertices.map(|v| self.touched[v as usize]);
+        if touched.iter().filter(|t| **t).count() < 2 {
+            return (list, n);
+        }
+        for (edge, [i, j]) in edges(part.vertices).into_iter().zip(PAIRS) {
+            if touched[i] && touched[j] {
+                let mut range = self.first[edge[0] as usize]..self.first[edge[0] as usize + 1];
+                if let Some(at) = range.find(|&s| self.splits[s as usize].edge[1] == edge[1]) {
+                    list[n] = at;
+                    n += 1;
+                }
+            }
+        }
+        (list, n)
+    }
+}
+
+/// The edges of a tetrahedron by its local vertices.
+const PAIRS: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
+
 /// The six edges of a tetrahedron, the smaller vertex first.
-pub(super) fn edges(v: [u32; 4]) -> [[u32; 2]; 6] {
-    [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]]
-        .map(|[a, b]: [usize; 2]| [v[a].min(v[b]), v[a].max(v[b])])
+pub(crate) fn edges(v: [u32; 4]) -> [[u32; 2]; 6] {
+    PAIRS.map(|[a, b]| [v[a].min(v[b]), v[a].max(v[b])])
 }
 
 impl Slice {
