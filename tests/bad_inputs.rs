@@ -470,8 +470,8 @@ fn scales_and_directions_of_fibres() {
             ("cut m.lapis --stroke empty.svg -o pieces", 1, &["empty.svg", "no line"]),
             ("cut m.lapis --stroke line.svg --id b -o pieces", 1, &["line.svg", "'b'", "'a'"]),
             ("cut m.lapis --stroke line.svg --camera none.toml -o pieces", 1, &["none.toml"]),
-            ("cut m.lapis --plane 0,0,1,0 --camera none.toml -o pieces", 2, &["--stroke"]),
-            ("cut m.lapis --plane 0,0,1,0 --id a -o pieces", 2, &["--stroke"]),
+            ("cut m.lapis --plane 0,0,1,0 --camera none.toml -o pieces", 2, &["--plane", "--camera"]),
+            ("cut m.lapis --plane 0,0,1,0 --id a -o pieces", 2, &["--plane", "--id"]),
             ("info empty.svg", 1, &["empty.svg", "no line"]),
         ],
     );

@@ -19,10 +19,10 @@ fn a_new_project_runs_at_once() {
     // Its own pictures are large; here small ones will do.
     let text = String::from_utf8(bench.read("first/first.toml")).unwrap();
     let small = text.replace("\nfrom = [", "\nrender = { width = 64, height = 64 }\nfrom = [");
-    let small = small + "\n[export.atlas]\nsize = 256\n";
+    let small = small + "\n[export]\nformats = []\n";
     bench.file("first/first.toml", small.replace("tets = 4000", "tets = 2500"));
     bench.ok("run first/first.toml");
-    for file in ["first.lapis", "first-half.png", "first-wedge.png", "first.png", "first-half-2.glb"] {
+    for file in ["first.lapis", "first-half.png", "first-wedge.png", "first.png", "first-half-2.lapis"] {
         assert!(bench.path(&format!("out/first/{file}")).exists(), "{file}");
     }
     let report: serde_json::Value = serde_json::from_slice(&bench.read("out/first/report.json")).unwrap();

@@ -25,10 +25,10 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE", group = "surface")]
     stroke: Option<PathBuf>,
     /// The id of the drawing's line, where it has several
-    #[arg(long, value_name = "ID", requires = "stroke")]
+    #[arg(long, value_name = "ID", conflicts_with = "plane")]
     id: Option<String>,
     /// The camera file of the picture, where the stroke has none [default: one that frames the model]
-    #[arg(long, value_name = "FILE", requires = "stroke")]
+    #[arg(long, value_name = "FILE", conflicts_with = "plane")]
     camera: Option<PathBuf>,
     /// The plane of all points x with n·x = d
     #[arg(long, value_name = "NX,NY,NZ,D", value_parser = values::plane, group = "surface",

@@ -59,6 +59,10 @@ impl<'a> Canvas<'a> {
         }
     }
 
+    pub(super) fn locator(&self) -> &TetLocator {
+        self.locator.get_or_init(|| TetLocator::new(self.mesh))
+    }
+
     fn solid(&self, on: &Ground) -> Result<&LappedSolid, PaintProblem> {
         match on {
             Ground::Whole => Ok(self.whole.get_or_init(|| bare(self.mesh.clone()))),
@@ -97,7 +101,7 @@ impl<'a> Canvas<'a> {
             Ground::Whole => values,
             Ground::Piece { .. } => {
                 // A piece's vertices are the mesh's own, or points on its edges.
-                let locator = self.locator.get_or_init(|| TetLocator::new(self.mesh));
+                let locator = self.locator();
                 let at = |p: &DVec3| {
                     locator.nearest(*p).map_or(0.0, |(t, b)| {
                         self.mesh.tets[t].iter().zip(b).map(|(&v, b)| values[v as usize] * b).sum()

@@ -8,7 +8,7 @@ use super::place::Place;
 use super::problem::{PaintError, PaintProblem};
 use crate::exec::Exec;
 use crate::field::{
-    self, DepthField, DirectionError, DirectionParams, direction_field, sample, tet_gradients,
+    self, DepthField, DirectionError, DirectionParams, Sample, direction_field, rising, sample, tet_gradients,
 };
 
 /// A stroke along which texture x runs.
@@ -49,6 +49,7 @@ impl Canvas<'_> {
     ) -> Result<PaintedDirection, PaintError> {
         let mut found = Vec::new();
         let mut of = Vec::new();
+        let axes = depth.map(|d| rising(self.mesh, &d.values));
         for stroke in strokes {
             let wrong = |problem| PaintError { key: stroke.key.clone(), problem };
             exec.check().map_err(|e| wrong(e.into()))?;
@@ -57,7 +58,7 @@ impl Canvas<'_> {
             if lines.is_empty() {
                 return Err(wrong(PaintProblem::NoLength));
             }
-            if depth.is_some_and(|depth| self.along_gradient(&lines, depth)) {
+            if axes.as_ref().is_some_and(|axes| self.along_gradient(&lines, axes)) {
                 return Err(wrong(PaintProblem::AlongGradient { degrees: TOO_NEAR_DEG }));
             }
             of.extend(lines.iter().map(|_| stroke.key.as_str()));
@@ -100,15 +101,15 @@ impl Canvas<'_> {
         Ok(vec![unit; self.mesh.vertices.len()])
     }
 
-    /// Whether all tangents of some lines are those of the depth's gradient.
-    fn along_gradient(&self, lines: &[Vec<DVec3>], depth: &DepthField) -> bool {
-        let samples = lines.iter().flat_map(|line| sample(line, self.edge));
-        let mut rising = samples
-            .filter(|q| q.tangent != DVec3::ZERO)
-            .map(|q| (q.tangent, depth.gradient(q.point)))
-            .filter(|(_, g)| g.is_finite() && *g != DVec3::ZERO)
-            .peekable();
-        rising.peek().is_some() && rising.all(|(tangent, g)| near(tangent, g))
+    /// Whether all tangents of some lines run the way of the depth, given at the vertices where it has one. On the
+    /// innermost set, as along a fruit's axis, it has none, and every direction is good.
+    fn along_gradient(&self, lines: &[Vec<DVec3>], axes: &[Option<DVec3>]) -> bool {
+        let along = |q: &Sample| {
+            let Some((tet, b)) = self.locator().nearest(q.point) else { return false };
+            let most = (1..4).fold(0, |a, k| if b[k] > b[a] { k } else { a });
+            axes[self.mesh.tets[tet][most] as usize].is_some_and(|axis| near(q.tangent, axis))
+        };
+        lines.iter().flat_map(|line| sample(line, self.edge)).all(|q| along(&q))
     }
 }
 

@@ -266,6 +266,9 @@ fn directions_on_layers_and_cuts() {
     let tangent = made.strokes[0].points[1] - made.strokes[0].points[0];
     assert!(tangent.normalize().dot(DVec3::Y) > 0.9);
     assert!(made.field.iter().all(|r| (r.length() - 1.0).abs() < 1e-9));
+    // On the innermost set every direction is good, though depth falls both ways along it.
+    let ends = Place::points(vec![DVec3::Z * -0.1, DVec3::Z * 0.1]);
+    assert!(run(ends).is_ok());
     // A spoke runs along the gradient, a ring does not.
     let spoke = Place::points(vec![DVec3::X * 0.2, DVec3::X * 0.9]);
     assert!(matches!(run(spoke).unwrap_err().problem, PaintProblem::AlongGradient { .. }));

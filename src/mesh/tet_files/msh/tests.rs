@@ -41,8 +41,8 @@ pub(in super::super) fn binary(version: &str, big: bool) -> Vec<u8> {
     f.extend(b"\n$EndMeshFormat\n$Nodes\n");
     if version.starts_with('2') {
         f.extend(b"6\n");
-        for i in 0..6 {
-            f.extend(int(big, TAGS[i] as i32));
+        for (i, tag) in TAGS.iter().enumerate() {
+            f.extend(int(big, *tag as i32));
             f.extend(place(i));
         }
         f.extend(b"\n$EndNodes\n$Elements\n3\n");
