@@ -72,7 +72,7 @@ pub(crate) struct Smoother<'a> {
 }
 
 enum Solver<'a> {
-    Factor(SpdFactor),
+    Factor(Box<SpdFactor>),
     Iteration(Box<TwoLevel<'a>>),
 }
 
@@ -94,7 +94,7 @@ impl<'a> Smoother<'a> {
             let ready = exec.install(|| TwoLevel::new(mesh, graph, weights, pins, stiffness, pull, exec))?;
             Solver::Iteration(Box::new(ready))
         } else {
-            Solver::Factor(Self::factor(mesh, graph, weights, pins, stiffness, pull, exec)?)
+            Solver::Factor(Box::new(Self::factor(mesh, graph, weights, pins, stiffness, pull, exec)?))
         };
         Ok(Self { solver, vertices: graph.len(), pins, stiffness, pull, exec })
     }

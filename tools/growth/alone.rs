@@ -12,7 +12,7 @@ pub(crate) fn run(size: usize) -> Result<Value, Failure> {
     // TetGen prints the bound on volume with a fixed number of decimals: its model must not be small.
     const WIDE: f64 = 40.0;
     // With this bound on volume TetGen makes about as many tetrahedra as asked for.
-    const BOUND: f64 = 1.9;
+    const BOUND: f64 = 2.4;
 
     let mesh = crate::model::surface(size);
     let volume = mesh.volume() * WIDE.powi(3);
