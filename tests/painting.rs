@@ -161,6 +161,18 @@ fn completed(example: &str) -> String {
     if example.contains("[[picture]]") { text } else { format!("picture = []\n{text}") }
 }
 
+/// A box from the origin to (8, 4, 30).
+fn board() -> String {
+    let mut text = String::new();
+    for n in 0..8 {
+        text += &format!("v {} {} {}\n", 8 * (n & 1), 4 * (n >> 1 & 1), 30 * (n >> 2));
+    }
+    for face in ["1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6"] {
+        text += &format!("f {face}\n");
+    }
+    text
+}
+
 #[test]
 fn the_examples_of_the_guide_run() {
     let guide = include_str!("../docs/project-file.md");
@@ -178,6 +190,8 @@ fn the_examples_of_the_guide_run() {
     bench.file("p/plank.obj", scaled(&ball, [0.6, 0.3, 0.6]));
     bench.file("p/cylinder.obj", cylinder());
     bench.file("p/log.obj", cylinder());
+    bench.file("p/trunk.nrrd", &volume);
+    bench.file("p/board.obj", board());
     bench.file(
         "p/line.svg",
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 100 100\"><path id=\"along\" d=\"M40 40 C40 50 45 55 50 60\"/>\

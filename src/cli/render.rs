@@ -126,7 +126,7 @@ fn subject(args: &Args, show: Show, session: &Session) -> Result<Subject, Failur
     }
 }
 
-fn is_mesh(path: &PathBuf) -> bool {
+fn is_mesh(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     MESH_EXTENSIONS.contains(&extension.as_str()) || is_tet_file(path)
 }

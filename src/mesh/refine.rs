@@ -157,7 +157,8 @@ mod tests {
                 let far = |t: &usize| m.corners(*t).iter().all(|p| p.x.hypot(p.y) > 0.45);
                 (0..m.tets.len()).filter(far).count()
             };
-            assert!(far(&finer) < far(&mesh) + far(&mesh) / 4, "{} {}", far(&finer), far(&mesh));
+            // Three levels are 512-fold at the axis; what is graded down from them reaches outwards a little.
+            assert!(far(&finer) < 3 * far(&mesh), "{} {}", far(&finer), far(&mesh));
         }
     }
 

@@ -64,7 +64,7 @@ impl Canvas<'_> {
         let mut faces = Vec::new();
         let mut beside: Option<Vec<[(u32, f64); 3]>> = None;
         for area in areas {
-            let wrong = |problem| PaintError { key: area.key.clone(), problem };
+            let wrong = |problem| PaintError::new(&area.key, problem);
             let found = match &area.faces {
                 AreaKind::Region(name) => self.region(name).map_err(wrong)?,
                 AreaKind::Faces(picks) => self.picks(picks).map_err(wrong)?,

@@ -93,7 +93,7 @@ impl Lines<'_> {
     ) -> Result<(), PaintError> {
         for (stroke, found) in self.paint.strokes.iter().zip(&mut self.found) {
             if which(stroke) {
-                let wrong = |problem| PaintError { key: stroke.key.clone(), problem };
+                let wrong = |problem| PaintError::new(&stroke.key, problem);
                 exec.check().map_err(|e| wrong(e.into()))?;
                 *found = canvas.lines(&stroke.place, values).map_err(wrong)?;
             }

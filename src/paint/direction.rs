@@ -51,7 +51,7 @@ impl Canvas<'_> {
         let mut of = Vec::new();
         let axes = depth.map(|d| rising(self.mesh, &d.values));
         for stroke in strokes {
-            let wrong = |problem| PaintError { key: stroke.key.clone(), problem };
+            let wrong = |problem| PaintError::new(&stroke.key, problem);
             exec.check().map_err(|e| wrong(e.into()))?;
             let mut lines = self.lines(&stroke.place, depth.map(|d| d.values.as_slice())).map_err(wrong)?;
             lines.retain(|line| line.iter().any(|p| *p != line[0]));

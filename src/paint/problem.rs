@@ -16,12 +16,12 @@ pub struct PaintError {
     pub key: String,
     /// What is wrong with it.
     #[source]
-    pub problem: PaintProblem,
+    pub problem: Box<PaintProblem>,
 }
 
 impl PaintError {
     pub(super) fn new(key: &str, problem: impl Into<PaintProblem>) -> Self {
-        Self { key: key.to_owned(), problem: problem.into() }
+        Self { key: key.to_owned(), problem: Box::new(problem.into()) }
     }
 }
 

@@ -54,7 +54,7 @@ impl Canvas<'_> {
                 Spot::Point(point) => *point,
                 Spot::Pick { screen, view } => {
                     let picked = self.sight(&Ground::Whole, view).and_then(|s| self.picked(&s, *screen));
-                    picked.map_err(|problem| PaintError { key: a.key.clone(), problem })?.1
+                    picked.map_err(|problem| PaintError::new(&a.key, problem))?.1
                 }
             };
             local.push(field::ScaleAt { point, scale: a.scale });

@@ -148,7 +148,7 @@ fn depth_on_a_layer_of_depth_takes_two_passes() {
     let alone = DepthPaint { skin: None, areas: Vec::new(), strokes: vec![ring] };
     let error = canvas.depth("depth", &alone, &DepthParams::default(), None, &Exec::default()).unwrap_err();
     assert_eq!(error.key, "depth.stroke[0]");
-    assert!(matches!(error.problem, PaintProblem::LayerFirst(_)), "{error:?}");
+    assert!(matches!(*error.problem, PaintProblem::LayerFirst(_)), "{error:?}");
 }
 
 /// A cylinder of radius 1 and height 2 about z, from a grid of cubes.
@@ -244,8 +244,8 @@ fn regions_are_painted_by_name() {
     let paint = |name: &str| canvas.faces(None, &[area(AreaKind::Region(name.to_owned()), 0.25)]);
     let found: Vec<u32> = paint("peel").unwrap().iter().map(|f| f.face).collect();
     assert_eq!(found, [1, 3]);
-    assert!(matches!(paint("gone").unwrap_err().problem, PaintProblem::EmptyRegion { triangles: 1, .. }));
-    assert!(matches!(paint("stem").unwrap_err().problem, PaintProblem::Region(_)));
+    assert!(matches!(*paint("gone").unwrap_err().problem, PaintProblem::EmptyRegion { triangles: 1, .. }));
+    assert!(matches!(*paint("stem").unwrap_err().problem, PaintProblem::Region(_)));
 }
 
 #[test]
@@ -271,17 +271,17 @@ fn directions_on_layers_and_cuts() {
     assert!(run(ends).is_ok());
     // A spoke runs along the gradient, a ring does not.
     let spoke = Place::points(vec![DVec3::X * 0.2, DVec3::X * 0.9]);
-    assert!(matches!(run(spoke).unwrap_err().problem, PaintProblem::AlongGradient { .. }));
+    assert!(matches!(*run(spoke).unwrap_err().problem, PaintProblem::AlongGradient { .. }));
     let above = Camera { eye: DVec3::new(0.0, 0.1, 8.0), ..side() };
     let cut_spoke = screen(&[[0.5, 0.5], [0.5, 0.3]], above, piece(1), None);
     // One of the halves shows its cut face to a camera above.
-    let cut_spoke = run(cut_spoke).or_else(|e| match e.problem {
+    let cut_spoke = run(cut_spoke).or_else(|e| match *e.problem {
         PaintProblem::AlongGradient { .. } => Err(e),
         _ => run(screen(&[[0.5, 0.5], [0.5, 0.3]], above, piece(2), None)),
     });
     assert!(cut_spoke.is_err() || !cut_spoke.unwrap().strokes.is_empty());
     let dot = Place::points(vec![DVec3::X * 0.2]);
-    assert!(matches!(run(dot).unwrap_err().problem, PaintProblem::NoLength));
+    assert!(matches!(*run(dot).unwrap_err().problem, PaintProblem::NoLength));
     // One direction for all is refused where all of the depth rises along it.
     let slab: Vec<f64> = mesh.vertices.iter().map(|p| f64::midpoint(p.z, 1.0)).collect();
     let slab = {
@@ -298,7 +298,7 @@ fn directions_on_layers_and_cuts() {
         made.field
     };
     let along = canvas.constant_direction("direction.constant", DVec3::Z * 3.0, Some(&slab)).unwrap_err();
-    assert!(matches!(along.problem, PaintProblem::AlongGradient { .. }));
+    assert!(matches!(*along.problem, PaintProblem::AlongGradient { .. }));
     assert!(canvas.constant_direction("direction.constant", DVec3::X, Some(&slab)).is_ok());
     assert!(canvas.constant_direction("direction.constant", DVec3::X, Some(&depth)).is_ok());
 }
@@ -318,7 +318,7 @@ fn scales_are_set_where_a_picture_shows_them() {
     let two = [at("scale.at[0]", pick.clone(), 0.2), at("scale.at[1]", pick, 0.4)];
     let error = run(&two).unwrap_err();
     assert_eq!(error.key, "scale.at[1]");
-    assert!(matches!(error.problem, PaintProblem::TwoScales { ref other, .. } if other == "scale.at[0]"));
+    assert!(matches!(*error.problem, PaintProblem::TwoScales { ref other, .. } if other == "scale.at[0]"));
 }
 
 #[test]
@@ -350,15 +350,15 @@ fn what_cannot_be_painted_is_named() {
     let empty = canvas.lines(&screen(&across, side(), Ground::Whole, Some(0.5)), Some(&flat)).unwrap_err();
     assert!(empty.to_string().contains("from 0.2000 to 0.3000"), "{empty}");
     let picks = |picks| canvas.faces(None, &[area(AreaKind::Faces(picks), 0.0)]).unwrap_err().problem;
-    assert!(matches!(picks(Picks::At(vec![DVec3::X * 2.0])), PaintProblem::FarPick { .. }));
+    assert!(matches!(*picks(Picks::At(vec![DVec3::X * 2.0])), PaintProblem::FarPick { .. }));
     let corner = Picks::Screen { points: vec![DVec2::ZERO], view: view(side()) };
-    assert!(matches!(picks(corner), PaintProblem::PickMisses { .. }));
+    assert!(matches!(*picks(corner), PaintProblem::PickMisses { .. }));
     // A stroke on a surface painted with another depth, broken in two by the outline of a piece.
     let on_skin = stroke(screen(&across, side(), Ground::Whole, None), 1.0);
     let paint = DepthPaint { skin: Some(0.0), areas: Vec::new(), strokes: vec![on_skin] };
     let error = canvas.depth("depth", &paint, &DepthParams::default(), None, &Exec::default()).unwrap_err();
-    assert!(error.key == "depth.stroke[0]" && matches!(error.problem, PaintProblem::StrokeMisses));
+    assert!(error.key == "depth.stroke[0]" && matches!(*error.problem, PaintProblem::StrokeMisses));
     let one = DepthPaint { skin: Some(0.5), ..DepthPaint::default() };
     let error = canvas.depth("along", &one, &DepthParams::default(), None, &Exec::default()).unwrap_err();
-    assert!(error.key == "along" && matches!(error.problem, PaintProblem::OneDepth(0.5)));
+    assert!(error.key == "along" && matches!(*error.problem, PaintProblem::OneDepth(0.5)));
 }

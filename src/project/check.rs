@@ -98,8 +98,9 @@ pub(super) fn cut(entry: CutEntry, folder: &Path, names: &Names) -> Result<Cut, 
         return Err(ProjectProblem::Choice { key, choice });
     }
     let read = |what: &str, file: &Path| {
-        StrokeFile::read(&folder.join(file), entry.id.as_deref())
-            .map_err(|source| ProjectProblem::StrokeFile { key: format!("{key}: {what}"), source })
+        StrokeFile::read(&folder.join(file), entry.id.as_deref()).map_err(|source| {
+            ProjectProblem::StrokeFile { key: format!("{key}: {what}"), source: Box::new(source) }
+        })
     };
     let drawn = match (entry.plane, entry.stroke, entry.svg, entry.file) {
         (Some([x, y, z, offset]), None, None, None) => {

@@ -310,8 +310,10 @@ impl Tables<'_> {
                 Line::Screen { lines: vec![points], view: view(key, at.camera, at.from, None)? }
             }
             (None, None, Some(file)) => {
-                let (lines, aspect) = Drawing::read_lines(&self.folder.join(file), at.id.as_deref())
-                    .map_err(|source| ProjectProblem::StrokeFile { key: format!("{key}.svg"), source })?;
+                let (lines, aspect) =
+                    Drawing::read_lines(&self.folder.join(file), at.id.as_deref()).map_err(|source| {
+                        ProjectProblem::StrokeFile { key: format!("{key}.svg"), source: Box::new(source) }
+                    })?;
                 let closed = |mut line: crate::view::DrawnLine| {
                     let first = line.points.first().copied().filter(|_| line.closed);
                     line.points.extend(first);

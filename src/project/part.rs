@@ -183,7 +183,7 @@ pub enum PartError {
 
 impl From<PaintError> for PartError {
     fn from(error: PaintError) -> Self {
-        match error.problem {
+        match *error.problem {
             PaintProblem::Cancelled(c) => Self::Cancelled(c),
             _ => Self::Paint(error),
         }

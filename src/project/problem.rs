@@ -105,7 +105,7 @@ pub enum ProjectProblem {
         /// The table.
         key: String,
         /// What is wrong with it.
-        source: ViewFileError,
+        source: Box<ViewFileError>,
     },
     /// A picture's settings that cannot be.
     #[error("{key}")]

@@ -45,9 +45,12 @@ fn reset() {
     let _ = fs::write("/proc/self/clear_refs", "5");
 }
 
+/// Stages that have begun, and when.
+type Begun = Vec<(String, Instant)>;
+
 /// Sums up the seconds of the library's own stages.
 #[derive(Default)]
-struct Clock(Mutex<(Vec<(String, Instant)>, BTreeMap<String, f64>)>);
+struct Clock(Mutex<(Begun, BTreeMap<String, f64>)>);
 
 impl Progress for Clock {
     fn begin(&self, stage: &str, _: u64) {
@@ -236,7 +239,7 @@ fn without_layers(solid: &LappedSolid) -> LappedSolid {
 
 fn save_mesh(mesh: &TetMesh, folder: &Path) -> Result<(), Failure> {
     let points: Vec<u8> =
-        mesh.vertices.iter().flat_map(|p| p.to_array()).flat_map(f64::to_le_bytes).collect();
+        mesh.vertices.iter().flat_map(glam::DVec3::to_array).flat_map(f64::to_le_bytes).collect();
     let tets: Vec<u8> = mesh.tets.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
     arrays::write(&folder.join("points.npy"), "<f8", &[mesh.vertices.len(), 3], &points)?;
     arrays::write(&folder.join("tets.npy"), "<u4", &[mesh.tets.len(), 4], &tets)?;

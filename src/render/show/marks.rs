@@ -71,17 +71,17 @@ pub(super) fn add(shapes: &mut Vec<Shape>, screen: &Screen<'_>, marks: &[Mark], 
             }
             segments.retain(|s| s.alpha[0] > 0.0 || s.alpha[1] > 0.0);
             if !segments.is_empty() {
-                stroke(shapes, segments, unit, colour, rim);
+                stroke(shapes, &segments, unit, colour, rim);
             }
         }
     }
 }
 
 /// A dark edge, a pale rim, and the stroke itself.
-fn stroke(shapes: &mut Vec<Shape>, segments: Vec<Segment>, unit: f64, colour: LinearRgba, rim: LinearRgba) {
+fn stroke(shapes: &mut Vec<Shape>, segments: &[Segment], unit: f64, colour: LinearRgba, rim: LinearRgba) {
     let half = HALF_WIDTH * unit;
     let dark = maps::opaque([30, 28, 34]);
-    let lines = |half_width, colour| Shape::Lines { segments: segments.clone(), half_width, colour };
+    let lines = |half_width, colour| Shape::Lines { segments: segments.to_vec(), half_width, colour };
     shapes.push(lines(half + (RIM + 0.9) * unit, dark));
     shapes.push(lines(half + RIM * unit, rim));
     shapes.push(lines(half, colour));

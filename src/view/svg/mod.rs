@@ -136,8 +136,8 @@ impl Drawing {
     /// # Errors
     /// [`ViewFileError`] names the file and what is wrong in it: the line, the element and the attribute.
     pub fn read(path: &Path) -> Result<Self, ViewFileError> {
-        let read = || Ok(Self::from_svg(&read_text(path)?)?);
-        read().map_err(|problem| at(path, problem))
+        let text = read_text(path).map_err(|problem| at(path, problem))?;
+        Self::from_svg(&text).map_err(|fault| at(path, fault))
     }
 
     /// The lines of an SVG file that have the id, or lie in a group that has it, and the picture's width over its
