@@ -49,7 +49,7 @@ impl Canvas<'_> {
     ) -> Result<PaintedDirection, PaintError> {
         let mut found = Vec::new();
         let mut of = Vec::new();
-        let axes = depth.map(|d| rising(self.mesh, &d.values));
+        let rising = depth.map(|d| (d, rising(self.mesh, &d.values)));
         for stroke in strokes {
             let wrong = |problem| PaintError::new(&stroke.key, problem);
             exec.check().map_err(|e| wrong(e.into()))?;
@@ -58,7 +58,7 @@ impl Canvas<'_> {
             if lines.is_empty() {
                 return Err(wrong(PaintProblem::NoLength));
             }
-            if axes.as_ref().is_some_and(|axes| self.along_gradient(&lines, axes)) {
+            if rising.as_ref().is_some_and(|(depth, axes)| self.along_gradient(&lines, depth, axes)) {
                 return Err(wrong(PaintProblem::AlongGradient { degrees: TOO_NEAR_DEG }));
             }
             of.extend(lines.iter().map(|_| stroke.key.as_str()));
@@ -101,9 +101,9 @@ impl Canvas<'_> {
         Ok(vec![unit; self.mesh.vertices.len()])
     }
 
-    /// Whether all tangents of some lines run the way of the depth, given at the vertices where it has one. On the
-    /// innermost set, as along a fruit's axis, it has none, and every direction is good.
-    fn along_gradient(&self, lines: &[Vec<DVec3>], axes: &[Option<DVec3>]) -> bool {
+    /// Whether all tangents of some lines run the way of the depth. On the innermost set, as along a fruit's axis,
+    /// where the vertices have no axis, it rises no way, and every direction is good.
+    fn along_gradient(&self, lines: &[Vec<DVec3>], depth: &DepthField, axes: &[Option<DVec3>]) -> bool {
         let along = |q: &Sample| {
             let Some((tet, b)) = self.locator().nearest(q.point) else { return false };
             let closest: DVec3 = self.mesh.corners(tet).into_iter().zip(b).map(|(v, b)| v * b).sum();
@@ -111,7 +111,7 @@ impl Canvas<'_> {
                 return false;
             }
             let most = (1..4).fold(0, |a, k| if b[k] > b[a] { k } else { a });
-            axes[self.mesh.tets[tet][most] as usize].is_some_and(|axis| near(q.tangent, axis))
+            axes[self.mesh.tets[tet][most] as usize].is_some() && near(q.tangent, depth.gradient(closest))
         };
         lines.iter().flat_map(|line| sample(line, self.edge)).all(|q| along(&q))
     }

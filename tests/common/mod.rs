@@ -117,7 +117,7 @@ impl Done {
     /// standard output, and no panic.
     pub(crate) fn refused(&self, code: i32, words: &[&str]) {
         let (err, arguments) = (self.err(), &self.arguments);
-        assert_eq!(self.code(), code, "lapis {arguments}\n{err}");
+        assert_eq!(self.code(), code, "lapis {arguments}: it should say {words:?}\n{err}");
         assert!(err.starts_with("lapis: "), "lapis {arguments}\n{err}");
         assert_eq!(err.matches("lapis: ").count(), 1, "lapis {arguments}: more than one message\n{err}");
         assert!(!err.contains("panicked") && !err.contains("internal error"), "lapis {arguments}\n{err}");
