@@ -231,7 +231,7 @@ fn wrong_files_are_told_what_is_wrong() {
         ("from = [1, 1, 1]", "from = [0, 0, 0]", &["'pieces'", "`from`"]),
         ("apart = 0.5", "apart = -0.5", &["'pieces'", "apart"]),
         ("height = 32", "height = 0", &["48×0"]),
-        ("formats = [\"glb\", \"ply\"]", "formats = [\"fbx\"]", &["'fbx'", "glb"]),
+        ("formats = [\"glb\", \"ply\"]", "formats = [\"fbx\"]", &["'fbx'", "'obj'"]),
         ("volume = \"volume.nrrd\"", "volume = \"none.nrrd\"", &["none.nrrd"]),
         ("file = \"ball.obj\"", "file = \"none.obj\"", &["none.obj"]),
         ("size = 256", "size = 100", &["100"]),

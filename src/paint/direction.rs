@@ -32,6 +32,9 @@ pub struct PaintedDirection {
 
 /// A direction nearer to the depth's gradient than this is none, in degrees.
 const TOO_NEAR_DEG: f64 = 5.0;
+/// The least cosine of the angle between it and the gradient around the nearest vertex, too: on a fruit's axis the
+/// gradients around point outwards, and what is left of them at a point between may run along it.
+const AROUND: f64 = 0.8;
 
 impl Canvas<'_> {
     /// Makes a field of direction strokes. With a depth field they spread along its layers. `key` is the table's
@@ -111,7 +114,8 @@ impl Canvas<'_> {
                 return false;
             }
             let most = (1..4).fold(0, |a, k| if b[k] > b[a] { k } else { a });
-            axes[self.mesh.tets[tet][most] as usize].is_some() && near(q.tangent, depth.gradient(closest))
+            axes[self.mesh.tets[tet][most] as usize].is_some_and(|axis| q.tangent.dot(axis).abs() > AROUND)
+                && near(q.tangent, depth.gradient(closest))
         };
         lines.iter().flat_map(|line| sample(line, self.edge)).all(|q| along(&q))
     }
