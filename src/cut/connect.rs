@@ -2,54 +2,60 @@
 
 use super::curve::Curve;
 use super::divide::Divided;
-use crate::mesh::{Merging, NONE, TetMesh, index};
+use crate::mesh::{NONE, TetMesh, index};
 
 /// The connected components of both sides.
 #[derive(Debug, Default)]
 pub(super) struct Connected {
-    /// How many there are.
-    pub(super) count: usize,
+    /// How many cells each has.
+    pub(super) sizes: Vec<usize>,
     /// The component of each cell (see [`Divided::cells`]); they are numbered in the order of their first ones.
     pub(super) of: Vec<u32>,
 }
 
 impl Connected {
     pub(super) fn new(divided: &Divided, mesh: &TetMesh) -> Self {
-        let tets = mesh.tets.len();
-        let mut sets = Merging::new(tets + divided.parts.parts.len());
-        let whole = &divided.whole;
-        for (t, beside) in mesh.neighbours.iter().enumerate() {
-            let side = whole[t];
-            if side == 0 {
-                continue;
+        // What is not reached yet, by side; tetrahedra that were divided are no cells.
+        const OPEN: [u32; 2] = [NONE - 1, NONE - 2];
+        const DIVIDED: u32 = NONE;
+        let open = |positive: bool| OPEN[usize::from(positive)];
+        let whole = divided.whole.iter().map(|&side| if side == 0 { DIVIDED } else { open(side > 0) });
+        let mut of: Vec<u32> = whole.chain(divided.positive.iter().map(|&p| open(p))).collect();
+        let mut sizes: Vec<usize> = Vec::new();
+        // First in, first out: what comes next is known long before it is needed, which hides the time that memory
+        // takes.
+        let mut queue: Vec<u32> = Vec::new();
+        divided.for_each_cell(|cell| {
+            let own = of[cell as usize];
+            if !OPEN.contains(&own) {
+                return;
             }
-            for &n in beside {
-                // Each face once.
-                if (n as usize) < t && whole[n as usize] == side {
-                    sets.merge(index(t), n);
+            let label = index(sizes.len());
+            let reach = |of: &mut [u32], queue: &mut Vec<u32>, n: u32| {
+                if let Some(other) = of.get_mut(n as usize).filter(|other| **other == own) {
+                    *other = label;
+                    queue.push(n);
+                }
+            };
+            queue.clear();
+            reach(&mut of, &mut queue, cell);
+            let mut at = 0;
+            while let Some(&cell) = queue.get(at) {
+                at += 1;
+                match divided.part(cell) {
+                    Some(i) => divided.neighbours[i].into_iter().for_each(|n| reach(&mut of, &mut queue, n)),
+                    None => {
+                        for n in mesh.neighbours[cell as usize] {
+                            let parted = of.get(n as usize).is_some_and(|other| *other == DIVIDED);
+                            let n = if parted { divided.across(mesh, cell, n) } else { n };
+                            reach(&mut of, &mut queue, n);
+                        }
+                    }
                 }
             }
-        }
-        for (i, beside) in divided.neighbours.iter().enumerate() {
-            let cell = index(tets + i);
-            for &n in beside {
-                if n != NONE && n < cell && divided.side(n) == divided.positive[i] {
-                    sets.merge(cell, n);
-                }
-            }
-        }
-        let mut number = vec![NONE; tets + divided.parts.parts.len()];
-        let mut of = vec![NONE; number.len()];
-        let mut count = 0;
-        for cell in divided.cells() {
-            let slot = &mut number[sets.root(cell) as usize];
-            if *slot == NONE {
-                *slot = count;
-                count += 1;
-            }
-            of[cell as usize] = *slot;
-        }
-        Self { count: count as usize, of }
+            sizes.push(queue.len());
+        });
+        Self { sizes, of }
     }
 }
 
@@ -57,8 +63,8 @@ impl Connected {
 /// where it grazes the outline of the model: it joins the other side. Whether there was one.
 pub(super) fn join_chips(divided: &mut Divided, mesh: &TetMesh, curve: &Curve, tolerance: f64) -> bool {
     let connected = &divided.connected;
-    let mut chip = vec![true; connected.count];
-    let mut undecided = connected.count;
+    let mut chip = vec![true; connected.sizes.len()];
+    let mut undecided = connected.sizes.len();
     for cell in divided.cells() {
         let chip = &mut chip[connected.of[cell as usize] as usize];
         if *chip && !divided.corners(mesh, cell).iter().all(|&p| curve.within(p, tolerance)) {
@@ -70,7 +76,7 @@ pub(super) fn join_chips(divided: &mut Divided, mesh: &TetMesh, curve: &Curve, t
         }
     }
     // A chip with nothing but chips around it stays.
-    let mut joins = vec![false; connected.count];
+    let mut joins = vec![false; connected.sizes.len()];
     for cell in divided.cells() {
         let own = connected.of[cell as usize] as usize;
         if chip[own] && !joins[own] {

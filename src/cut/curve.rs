@@ -10,6 +10,9 @@ use crate::view::{Camera, Projection, Stroke, box_of, meeting, turn};
 /// Turns up to this angle, some 15°, are what a polygon makes of a smooth line.
 const GENTLE: f64 = 0.25;
 
+/// How many slabs a tetrahedron may pass through, beyond its corners' own, to be passed over quickly.
+pub(super) const AROUND: usize = 8;
+
 /// A stroke that divides the screen in two, in picture heights: a polygon whose first `walls` sides are
 /// the stroke with its extensions; the others join an open one's far ends where the model is not.
 pub(super) struct Curve {
@@ -22,6 +25,10 @@ pub(super) struct Curve {
     walls: usize,
     closed: bool,
     slabs: Slabs,
+    /// From which x to which the curve runs in each slab.
+    spans: Vec<[f64; 2]>,
+    /// The same in the slabs up to [`AROUND`] away from each.
+    around: Vec<[f64; 2]>,
     model: (DVec2, DVec2),
     stroke_size: f64,
 }
@@ -67,6 +74,8 @@ impl Curve {
             walls: 0,
             closed: stroke.closed,
             slabs: Slabs::default(),
+            spans: Vec::new(),
+            around: Vec::new(),
             model: (lo, hi),
             stroke_size: size.max_element(),
         };
@@ -81,7 +90,21 @@ impl Curve {
             curve.check_extensions()?;
         }
         curve.slabs = Slabs::new(&curve.points, low.y, high.y);
+        curve.spans = (0..curve.slabs.count()).map(|slab| curve.span(slab)).collect();
+        let around = |slab: usize| {
+            let near = &curve.spans[slab.saturating_sub(AROUND)..curve.spans.len().min(slab + AROUND + 1)];
+            near.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], s| [lo.min(s[0]), hi.max(s[1])])
+        };
+        curve.around = (0..curve.spans.len()).map(around).collect();
         Ok(curve)
+    }
+
+    /// From which x to which the curve's sides in a slab run.
+    fn span(&self, slab: usize) -> [f64; 2] {
+        let walls = self.slabs.at(slab).iter().filter(|&&k| (k as usize) < self.walls);
+        walls
+            .flat_map(|&k| self.side(k as usize))
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], p| [lo.min(p.x), hi.max(p.x)])
     }
 
     /// Own coordinates of a point in fractions of the picture.
@@ -164,6 +187,14 @@ impl Curve {
         inside
     }
 
+    /// The slab of a place on the screen, and whether its x is less, or more, than the curve's anywhere in the slabs
+    /// up to [`AROUND`] away.
+    pub(super) fn clear(&self, seen: DVec2) -> (usize, [bool; 2]) {
+        let slab = self.slabs.of(seen.y);
+        let [from, to] = self.around[slab];
+        (slab, [seen.x < from, seen.x > to])
+    }
+
     /// Whether the curve may pass through what is seen of a tetrahedron.
     pub(super) fn near(&self, corners: [DVec3; 4]) -> bool {
         self.near_seen(corners.map(|p| self.see(p).0))
@@ -171,17 +202,22 @@ impl Curve {
 
     /// The same for the places where its corners are seen.
     pub(super) fn near_seen(&self, seen: [DVec2; 4]) -> bool {
-        let (lo, hi) = box_of(&seen);
+        let [a, b, c, d] = seen;
+        let (lo, hi) = (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));
         (self.slabs.of(lo.y)..=self.slabs.of(hi.y)).any(|slab| {
-            self.slabs.at(slab).iter().any(|&k| {
-                let [a, b] = self.side(k as usize);
-                let beside = a.max(b).cmplt(lo).any() || a.min(b).cmpgt(hi).any();
-                if k as usize >= self.walls || beside {
-                    return false;
-                }
-                let left = seen.map(|p| turn(a, b, p));
-                !left.iter().all(|&x| x > 0.0) && !left.iter().all(|&x| x < 0.0)
-            })
+            let [from, to] = self.spans[slab];
+            // Most tetrahedra are far from the curve.
+            from <= hi.x
+                && to >= lo.x
+                && self.slabs.at(slab).iter().any(|&k| {
+                    let [a, b] = self.side(k as usize);
+                    let beside = a.max(b).cmplt(lo).any() || a.min(b).cmpgt(hi).any();
+                    if k as usize >= self.walls || beside {
+                        return false;
+                    }
+                    let left = seen.map(|p| turn(a, b, p));
+                    !left.iter().all(|&x| x > 0.0) && !left.iter().all(|&x| x < 0.0)
+                })
         })
     }
 

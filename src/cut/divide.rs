@@ -3,13 +3,14 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::beside::beside;
 use super::connect::{Connected, join_chips};
 use super::curve::Crossing;
 use super::reach::Reach;
 use super::{CutError, Sheet};
 use crate::exec::Exec;
-use crate::mesh::subdivide::{INNER, Part, Split, Subdivision, WHOLE, edges};
-use crate::mesh::{Buckets, NONE, TET_FACES, TetMesh, index};
+use crate::mesh::subdivide::{Part, Split, Subdivision, edges};
+use crate::mesh::{NONE, TET_FACES, TetMesh, index};
 
 /// An edge that is crossed nearer to a vertex than this part of its length would leave slivers: the cut is
 /// led through the vertex instead.
@@ -53,9 +54,32 @@ impl Divided {
         })
     }
 
+    /// Calls `visit` with all cells, in that order.
+    pub(super) fn for_each_cell(&self, mut visit: impl FnMut(u32)) {
+        let tets = index(self.whole.len());
+        for (t, &place) in (0..).zip(&self.reach.place) {
+            if place == NONE {
+                visit(t);
+            } else {
+                let [from, to] = [place, place + 1].map(|n| tets + self.first[n as usize]);
+                (from..to).for_each(&mut visit);
+            }
+        }
+    }
+
     /// The part that a cell is, if it is none of the whole tetrahedra.
     pub(super) fn part(&self, cell: u32) -> Option<usize> {
         (cell as usize).checked_sub(self.whole.len())
+    }
+
+    /// Whether a cell is one of the whole tetrahedra; [`NONE`] is none.
+    pub(super) fn is_whole(&self, cell: u32) -> bool {
+        (cell as usize) < self.whole.len()
+    }
+
+    /// The tetrahedra that the parts are parts of.
+    pub(super) fn reached(&self) -> &[u32] {
+        &self.reach.tets
     }
 
     /// Which side of the sheet a cell lies on.
@@ -133,6 +157,7 @@ pub(super) fn divide(
     if parts.parts.len() + mesh.tets.len() > most || parts.vertices.len() > most {
         return Err(CutError::TooLarge("vertices or tetrahedra"));
     }
+    let whole = sides_of_tets(&reach, &sides, mesh);
     let mut snapped = 0;
     for (side, _) in sides.iter_mut().zip(&on_sheet).filter(|(_, on)| **on) {
         *side = 0;
@@ -140,14 +165,13 @@ pub(super) fn divide(
     }
     sides.resize(parts.vertices.len(), 0);
     let first = in_order(&mut parts, &reach);
-    let neighbours = neighbours(&parts, &reach, &first, mesh);
-    let whole = sides_of_tets(&reach, &sides, mesh);
+    let neighbours = beside(&parts, &reach, &first, mesh);
     let positive = sides_of_parts(&parts, &neighbours, &sides, &whole, sheet);
     let connected = Connected::default();
     let mut divided = Divided { parts, reach, first, neighbours, positive, whole, connected, snapped };
     divided.connected = Connected::new(&divided, mesh);
     if let Sheet::Screen(curve) = sheet {
-        while divided.connected.count > 1 && join_chips(&mut divided, mesh, curve, tolerance) {
+        while divided.connected.sizes.len() > 1 && join_chips(&mut divided, mesh, curve, tolerance) {
             divided.connected = Connected::new(&divided, mesh);
         }
     }
@@ -160,26 +184,23 @@ type Crossed = (Split, Option<Crossing>);
 /// The edges whose ends lie on different sides, sorted and each once, with the places of crossing.
 fn crossed(parts: &Subdivision, sides: &[i8], sheet: &Sheet, tolerance: f64) -> Vec<Crossed> {
     let side = |v: u32| sides[v as usize];
-    let apart = |v: &[u32; 4]| v.iter().any(|&w| side(w) != side(v[0]));
-    let hits: Vec<u32> = (0..index(parts.parts.len()))
-        .into_par_iter()
-        .with_min_len(4096)
-        .filter(|&i| apart(&parts.parts[i as usize].vertices))
-        .collect();
-    let mut list: Vec<[u32; 2]> = Vec::with_capacity(hits.len() * 4);
-    for i in hits {
-        list.extend(edges(parts.parts[i as usize].vertices).iter().filter(|e| side(e[0]) != side(e[1])));
+    // An edge as one number sorts much faster.
+    let mut list: Vec<u64> = Vec::with_capacity(parts.parts.len() * 4);
+    for part in &parts.parts {
+        let crossed = edges(part.vertices).into_iter().filter(|e| side(e[0]) != side(e[1]));
+        list.extend(crossed.map(|[a, b]| u64::from(a) << 32 | u64::from(b)));
     }
     list.par_sort_unstable();
     list.dedup();
-    let split = |edge: &[u32; 2]| {
+    let split = |&edge: &u64| {
+        let edge = [(edge >> 32) as u32, edge as u32];
         let [a, b] = edge.map(|v| parts.vertices[v as usize]);
         let (t, crossing) = sheet.crossing(a, b, tolerance);
         let rank = match (sheet, &crossing) {
             (Sheet::Screen(curve), Some(x)) => curve.sharpness(x, tolerance),
             _ => 0.0,
         };
-        (Split { edge: *edge, t, rank }, crossing)
+        (Split { edge, t, rank }, crossing)
     };
     list.par_iter().with_min_len(1024).map(split).collect()
 }
@@ -235,58 +256,9 @@ fn in_order(parts: &mut Subdivision, reach: &Reach) -> Vec<u32> {
     first
 }
 
-/// The cell across each face of the parts. Whole tetrahedra keep theirs; only what was divided is matched anew.
-fn neighbours(parts: &Subdivision, reach: &Reach, first: &[u32], mesh: &TetMesh) -> Vec<[u32; 4]> {
-    let tets = index(mesh.tets.len());
-    let mut result = vec![[NONE; 4]; parts.parts.len()];
-    let mut sides: Vec<(u32, [u32; 3])> = Vec::new();
-    for (i, part) in parts.parts.iter().enumerate() {
-        for k in 0..4 {
-            let face = part.faces[k];
-            if face != INNER {
-                let across = mesh.neighbours[part.parent as usize][usize::from(face)];
-                if across == NONE {
-                    continue;
-                }
-                let place = reach.place[across as usize];
-                if place == NONE {
-                    result[i][k] = across;
-                    continue;
-                }
-                let there = first[place as usize];
-                if part.weights == WHOLE && parts.parts[there as usize].weights == WHOLE {
-                    result[i][k] = tets + there;
-                    continue;
-                }
-            }
-            let mut key = TET_FACES[k].map(|j| part.vertices[j]);
-            key.sort_unstable();
-            sides.push((key[0], [key[1], key[2], index(4 * i + k)]));
-        }
-    }
-    let mut sides = Buckets::new(sides.iter().copied());
-    for v in 0..sides.len() {
-        for pair in sides.sorted(v).windows(2).filter(|p| p[0][..2] == p[1][..2]) {
-            let [a, b] = [pair[0][2], pair[1][2]];
-            result[a as usize / 4][a as usize % 4] = tets + b / 4;
-            result[b as usize / 4][b as usize % 4] = tets + a / 4;
-        }
-    }
-    result
-}
-
-/// The side of each whole tetrahedron; 0 for those in reach.
+/// The side of each whole tetrahedron, which is that of any vertex; 0 for those in reach.
 fn sides_of_tets(reach: &Reach, sides: &[i8], mesh: &TetMesh) -> Vec<i8> {
-    let side = |(tet, place): (&[u32; 4], &u32)| {
-        if *place != NONE {
-            return 0;
-        }
-        // At most one of its vertices is one that the cut may have been led through.
-        match sides[tet[0] as usize] {
-            0 => sides[tet[1] as usize],
-            side => side,
-        }
-    };
+    let side = |(tet, place): (&[u32; 4], &u32)| if *place == NONE { sides[tet[0] as usize] } else { 0 };
     mesh.tets.par_iter().zip(&reach.place).with_min_len(4096).map(side).collect()
 }
 

@@ -17,12 +17,14 @@
 //! Both 2 and 3 split edges in one order that holds for the whole mesh (`mesh::subdivide`), so that the
 //! tetrahedra on both sides of a face always divide it alike, and none can be turned inside out.
 
+mod beside;
 mod connect;
 mod curve;
 mod divide;
 mod pieces;
 mod reach;
 mod refine;
+mod section;
 mod slabs;
 #[cfg(test)]
 mod tests;
@@ -37,6 +39,7 @@ use crate::mesh::subdivide::Subdivision;
 use crate::view::{Camera, CameraError, Stroke, StrokeError};
 use curve::{Crossing, Curve};
 use reach::Reach;
+pub use section::{Section, section};
 
 /// What to cut along.
 #[derive(Debug, Clone, PartialEq)]

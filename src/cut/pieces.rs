@@ -7,18 +7,19 @@ use super::divide::Divided;
 use super::{CutError, CutReport};
 use crate::exec::Exec;
 use crate::lap::LappedSolid;
-use crate::mesh::subdivide::{INNER, WHOLE, Weights};
+use crate::mesh::subdivide::{INNER, Weights};
 use crate::mesh::{BoundaryFace, FaceOrigin, NONE, TET_FACES, TetMesh, index, signed_volume};
 
 /// The cells and vertices of a piece.
 struct Outline {
+    /// Its number among the [components](super::connect::Connected).
+    number: u32,
     /// Its cells, in the order of the tetrahedra that they are parts of.
     cells: Vec<u32>,
     /// Its vertices, in the order in which the cells name them.
     vertices: Vec<u32>,
     /// Its tetrahedra by its own vertex numbers.
     tets: Vec<[u32; 4]>,
-    volume: f64,
 }
 
 /// The pieces, by falling volume.
@@ -32,27 +33,38 @@ pub(super) fn pieces(
     exec.check()?;
     // The place of each cell within its piece.
     let (outlines, place) = outlines(solid, divided);
-    let build = |outline: &mut Outline| {
+    let build = |outline: Outline| {
         exec.check()?;
-        piece(solid, divided, outline, &place, &new)
+        let piece = piece(solid, divided, outline, &place, &new)?;
+        Ok((enclosed(&piece.mesh), piece))
     };
-    report.volumes = outlines.iter().map(|o| o.volume).collect();
-    report.tets = outlines.iter().map(|o| o.tets.len()).collect();
-    count(solid, divided, report);
-    let mut outlines = outlines;
-    outlines.par_iter_mut().map(build).collect()
+    let mut pieces: Vec<(f64, LappedSolid)> =
+        outlines.into_par_iter().map(build).collect::<Result<_, CutError>>()?;
+    // A stable sort: of equal volumes, that with the first tetrahedron comes first.
+    pieces.sort_by(|a, b| b.0.total_cmp(&a.0));
+    count(solid, divided, &pieces, report);
+    Ok(pieces.into_iter().map(|(_, piece)| piece).collect())
 }
 
-fn count(solid: &LappedSolid, divided: &Divided, report: &mut CutReport) {
-    report.pieces = report.volumes.len();
+fn count(solid: &LappedSolid, divided: &Divided, pieces: &[(f64, LappedSolid)], report: &mut CutReport) {
+    report.pieces = pieces.len();
+    report.volumes = pieces.iter().map(|p| p.0).collect();
+    report.tets = pieces.iter().map(|p| p.1.mesh.tets.len()).collect();
+    // That the pieces' boundaries enclose what the whole's does, and that what was divided has the parts' volume.
     let whole = enclosed(&solid.mesh);
-    report.volume_error = (report.volumes.iter().sum::<f64>() - whole).abs() / whole;
-    for (i, part) in divided.parts.parts.iter().enumerate().filter(|(i, _)| divided.positive[*i]) {
+    let volume = |v: [u32; 4]| signed_volume(v.map(|v| divided.parts.vertices[v as usize]));
+    let parts: f64 = divided.parts.parts.iter().map(|p| volume(p.vertices)).sum();
+    let parents: f64 = divided.reached().iter().map(|&t| volume(solid.mesh.tets[t as usize])).sum();
+    let enclosed = report.volumes.iter().sum::<f64>();
+    report.volume_error = (enclosed - whole).abs().max((parts - parents).abs()) / whole;
+    for (i, part) in divided.parts.parts.iter().enumerate() {
+        let positive = divided.positive[i];
         for (k, face) in TET_FACES.iter().enumerate() {
             let across = divided.neighbours[i][k];
-            if across != NONE && !divided.side(across) {
-                let corners = divided.parts.corners(part);
-                let [a, b, c] = face.map(|j| corners[j]);
+            // Each face once: from the positive side, or from that where it is no whole tetrahedron's.
+            let counts = positive || divided.is_whole(across);
+            if across != NONE && counts && divided.side(across) != positive {
+                let [a, b, c] = face.map(|j| divided.parts.vertices[part.vertices[j] as usize]);
                 report.cut_triangles += 1;
                 report.cut_area += 0.5 * (b - a).cross(c - a).length();
             }
@@ -114,121 +126,67 @@ fn between(a: &[DVec3; 3], b: &[DVec3; 3], t: f64) -> [DVec3; 3] {
     [r * length[0], s * length[1], r.cross(s) * (hand * length[2])]
 }
 
-/// The connected cells of both sides, by falling volume, and the place of each cell among those of its piece.
+/// The connected cells of both sides, and the place of each cell among those of its piece.
 fn outlines(solid: &LappedSolid, divided: &Divided) -> (Vec<Outline>, Vec<u32>) {
     let connected = &divided.connected;
-    let mut sizes = vec![0usize; connected.count];
-    for &c in connected.of.iter().filter(|c| **c != NONE) {
-        sizes[c as usize] += 1;
-    }
-    let mut lists: Vec<Vec<u32>> = sizes.into_iter().map(Vec::with_capacity).collect();
-    let mut place = vec![0u32; connected.of.len()];
-    for cell in divided.cells() {
-        let list = &mut lists[connected.of[cell as usize] as usize];
+    let empty = |(number, &size): (usize, &usize)| Outline {
+        number: index(number),
+        cells: Vec::with_capacity(size),
+        vertices: Vec::new(),
+        tets: Vec::with_capacity(size),
+    };
+    let mut outlines: Vec<Outline> = connected.sizes.iter().enumerate().map(empty).collect();
+    let mut place = vec![NONE; connected.of.len()];
+    divided.for_each_cell(|cell| {
+        let list = &mut outlines[connected.of[cell as usize] as usize].cells;
         place[cell as usize] = index(list.len());
         list.push(cell);
-    }
+    });
     // Marks of the piece that last used a vertex, and the vertex's number there.
     let mut used = vec![(NONE, 0u32); divided.parts.vertices.len()];
-    let mut outlines: Vec<Outline> = Vec::with_capacity(lists.len());
-    for (number, cells) in lists.into_iter().enumerate() {
-        let number = index(number);
-        let (mut vertices, mut volume) = (Vec::new(), 0.0);
-        let mut tets = Vec::with_capacity(cells.len());
-        for &cell in &cells {
-            let names = divided.vertices(&solid.mesh, cell);
-            volume += signed_volume(names.map(|v| divided.parts.vertices[v as usize]));
-            tets.push(names.map(|v| {
+    for Outline { number, cells, vertices, tets } in &mut outlines {
+        tets.extend(cells.iter().map(|&cell| {
+            divided.vertices(&solid.mesh, cell).map(|v| {
                 let mark = &mut used[v as usize];
-                if mark.0 != number {
-                    *mark = (number, index(vertices.len()));
+                if mark.0 != *number {
+                    *mark = (*number, index(vertices.len()));
                     vertices.push(v);
                 }
                 mark.1
-            }));
-        }
-        outlines.push(Outline { cells, vertices, tets, volume });
+            })
+        }));
     }
-    // A stable sort: of equal volumes, that with the first tetrahedron comes first.
-    outlines.sort_by(|a, b| b.volume.total_cmp(&a.volume));
     (outlines, place)
 }
 
 fn piece(
     solid: &LappedSolid,
     divided: &Divided,
-    outline: &mut Outline,
+    outline: Outline,
     place: &[u32],
     new: &Interpolated,
 ) -> Result<LappedSolid, CutError> {
-    let mesh = &solid.mesh;
-    let cells = &outline.cells;
-    let mut neighbours = Vec::with_capacity(cells.len());
-    let mut boundary = Vec::new();
-    for (n, &cell) in cells.iter().enumerate() {
-        let mut mine = [NONE; 4];
-        match divided.part(cell) {
-            // A whole tetrahedron, and what is beside it, lie on one side.
-            None => {
-                for (k, &across) in mesh.neighbours[cell as usize].iter().enumerate() {
-                    if across == NONE {
-                        let origin = old_origin(solid, cell, k as u8);
-                        boundary.push(BoundaryFace { tet: index(n), face: k as u8, origin });
-                    } else {
-                        mine[k] = place[divided.across(mesh, cell, across) as usize];
-                    }
-                }
-            }
-            Some(i) => {
-                let part = &divided.parts.parts[i];
-                for (k, &across) in divided.neighbours[i].iter().enumerate() {
-                    if across != NONE && divided.side(across) == divided.positive[i] {
-                        mine[k] = place[across as usize];
-                    } else {
-                        let origin = if across == NONE {
-                            debug_assert_ne!(part.faces[k], INNER, "every inner face has a neighbour");
-                            old_origin(solid, part.parent, part.faces[k])
-                        } else {
-                            FaceOrigin::Cut(solid.cuts)
-                        };
-                        boundary.push(BoundaryFace { tet: index(n), face: k as u8, origin });
-                    }
-                }
-            }
-        }
-        neighbours.push(mine);
-    }
+    let Outline { number, cells, vertices, tets } = outline;
+    let (neighbours, boundary) = beside(solid, divided, number, &cells, place);
+    let (layer_start, layer_patch, layer_uvw) = layers(solid, divided, &cells)?;
     let parent = |cell: u32| divided.part(cell).map_or(cell, |i| divided.parts.parts[i].parent) as usize;
-    let layers: usize = cells.iter().map(|&c| solid.layers(parent(c)).len()).sum();
-    if u32::try_from(layers).is_err() {
-        return Err(CutError::TooLarge("layers"));
-    }
-    let mut layer_start = Vec::with_capacity(cells.len() + 1);
-    let mut layer_patch = Vec::with_capacity(layers);
-    let mut layer_uvw = Vec::with_capacity(layers);
-    layer_start.push(0);
-    for &cell in cells {
-        let range = solid.layers(parent(cell));
-        layer_patch.extend_from_slice(&solid.layer_patch[range.clone()]);
-        let uvw = &solid.layer_uvw[range];
-        match divided.part(cell).map(|i| divided.parts.parts[i].weights) {
-            None | Some(WHOLE) => layer_uvw.extend_from_slice(uvw),
-            Some(weights) => {
-                let weights = &divided.parts.weights[weights as usize];
-                layer_uvw.extend(uvw.iter().map(|layer| inside(layer, weights)));
-            }
-        }
-        layer_start.push(index(layer_patch.len()));
-    }
+    let own = solid.depth.len();
+    let old = |v: u32| (v as usize) < own;
     Ok(LappedSolid {
         mesh: TetMesh {
-            vertices: outline.vertices.iter().map(|v| divided.parts.vertices[*v as usize]).collect(),
-            tets: std::mem::take(&mut outline.tets),
+            vertices: vertices.iter().map(|v| divided.parts.vertices[*v as usize]).collect(),
+            tets,
             neighbours,
             boundary,
         },
-        depth: outline.vertices.iter().map(|v| new.at(solid, *v).0).collect(),
-        frame: outline.vertices.iter().map(|v| new.at(solid, *v).1).collect(),
+        depth: vertices
+            .iter()
+            .map(|&v| if old(v) { solid.depth[v as usize] } else { new.at(solid, v).0 })
+            .collect(),
+        frame: vertices
+            .iter()
+            .map(|&v| if old(v) { solid.frame[v as usize] } else { new.at(solid, v).1 })
+            .collect(),
         layer_start,
         layer_patch,
         layer_uvw,
@@ -242,15 +200,119 @@ fn piece(
     })
 }
 
-/// The origin of a boundary face of a tetrahedron of the model.
-fn old_origin(solid: &LappedSolid, tet: u32, face: u8) -> FaceOrigin {
-    match solid.mesh.boundary.binary_search_by_key(&(tet, face), |f| (f.tet, f.face)) {
-        Ok(at) => solid.mesh.boundary[at].origin,
-        Err(_) => FaceOrigin::Cut(solid.cuts),
+/// What lies beside the cells of a piece, within it, and the faces beside which nothing does.
+fn beside(
+    solid: &LappedSolid,
+    divided: &Divided,
+    number: u32,
+    cells: &[u32],
+    place: &[u32],
+) -> (Vec<[u32; 4]>, Vec<BoundaryFace>) {
+    let mesh = &solid.mesh;
+    let of = &divided.connected.of;
+    let mut neighbours = vec![[NONE; 4]; cells.len()];
+    let mut boundary = Vec::new();
+    // The boundary's faces lie in the order of the tetrahedra, as the cells do.
+    let mut rest = &mesh.boundary[..];
+    let mut old_origin = |tet: u32, face: u8| {
+        let passed = rest.iter().take_while(|f| f.tet < tet).count();
+        rest = &rest[passed..];
+        let found = rest.iter().take_while(|f| f.tet == tet).find(|f| f.face == face);
+        found.map_or(FaceOrigin::Cut(solid.cuts), |f| f.origin)
+    };
+    for (n, &cell) in cells.iter().enumerate() {
+        match divided.part(cell) {
+            None => {
+                for (k, &across) in mesh.neighbours[cell as usize].iter().enumerate() {
+                    if across == NONE {
+                        let origin = old_origin(cell, k as u8);
+                        boundary.push(BoundaryFace { tet: index(n), face: k as u8, origin });
+                        continue;
+                    }
+                    // What was divided has no place of its own. A part beside a whole tetrahedron lies on the other
+                    // side only where the cut was led along their face.
+                    let mut there = place[across as usize];
+                    if there == NONE {
+                        let part = divided.across(mesh, cell, across) as usize;
+                        if of[part] != number {
+                            let origin = FaceOrigin::Cut(solid.cuts);
+                            boundary.push(BoundaryFace { tet: index(n), face: k as u8, origin });
+                            continue;
+                        }
+                        there = place[part];
+                    }
+                    neighbours[n][k] = there;
+                }
+            }
+            Some(i) => {
+                let part = &divided.parts.parts[i];
+                for (k, &across) in divided.neighbours[i].iter().enumerate() {
+                    if across != NONE && of[across as usize] == number {
+                        neighbours[n][k] = place[across as usize];
+                        continue;
+                    }
+                    let origin = if across == NONE {
+                        debug_assert_ne!(part.faces[k], INNER, "every inner face has a neighbour");
+                        old_origin(part.parent, part.faces[k])
+                    } else {
+                        FaceOrigin::Cut(solid.cuts)
+                    };
+                    boundary.push(BoundaryFace { tet: index(n), face: k as u8, origin });
+                }
+            }
+        }
     }
+    (neighbours, boundary)
+}
+
+/// Where each cell's layers begin, their patches, and their texture coordinates at its vertices.
+type Layers = (Vec<u32>, Vec<u32>, Vec<[[f32; 3]; 4]>);
+
+fn layers(solid: &LappedSolid, divided: &Divided, cells: &[u32]) -> Result<Layers, CutError> {
+    let parent = |cell: u32| divided.part(cell).map_or(cell, |i| divided.parts.parts[i].parent) as usize;
+    let count: usize = cells.iter().map(|&c| solid.layers(parent(c)).len()).sum();
+    if u32::try_from(count).is_err() {
+        return Err(CutError::TooLarge("layers"));
+    }
+    let mut start = Vec::with_capacity(cells.len() + 1);
+    if count == 0 {
+        return Ok((vec![0; cells.len() + 1], Vec::new(), Vec::new()));
+    }
+    let mut patch = Vec::with_capacity(count);
+    let mut uvw: Vec<[[f32; 3]; 4]> = Vec::with_capacity(count);
+    start.push(0);
+    let mut rest = cells;
+    while let Some(&cell) = rest.first() {
+        // Whole tetrahedra that follow each other are copied at once.
+        let whole = |&(n, c): &(u32, &u32)| divided.is_whole(*c) && *c == cell + n;
+        let run = (0..).zip(rest).take_while(whole).count().max(1);
+        rest = &rest[run..];
+        let from = index(patch.len());
+        let first = parent(cell);
+        let range = solid.layer_start[first] as usize..solid.layer_start[first + run] as usize;
+        let ends = &solid.layer_start[first + 1..=first + run];
+        start.extend(ends.iter().map(|end| end - solid.layer_start[first] + from));
+        patch.extend_from_slice(&solid.layer_patch[range.clone()]);
+        let whole = &solid.layer_uvw[range];
+        match divided
+            .part(cell)
+            .map(|i| &divided.parts.parts[i])
+            .filter(|part| !part.whole && !whole.is_empty())
+        {
+            None => uvw.extend_from_slice(whole),
+            Some(part) => {
+                let weights = divided.parts.weights(part, solid.mesh.tets[first]);
+                uvw.extend(whole.iter().map(|layer| inside(layer, &weights)));
+            }
+        }
+    }
+    Ok((start, patch, uvw))
 }
 
 /// Texture coordinates of a part's vertices from those of its parent.
 fn inside(uvw: &[[f32; 3]; 4], weights: &Weights) -> [[f32; 3]; 4] {
-    weights.map(|w| std::array::from_fn(|n| (0..4).map(|k| w[k] * f64::from(uvw[k][n])).sum::<f64>() as f32))
+    weights.map(|w| match w.iter().position(|w| *w == 1.0) {
+        Some(corner) => uvw[corner],
+        None => std::array::from_fn(|n| (0..4).map(|k| w[k] * f64::from(uvw[k][n])).sum::<f64>() as f32),
+    })
 }

@@ -83,27 +83,26 @@ pub(super) fn refine(
 /// The edges that should be split, sorted and each once.
 fn wanted(parts: &Subdivision, curve: &Curve, tolerance: f64, active: &[u32]) -> Vec<Split> {
     let part = |i: &u32| &parts.parts[*i as usize];
-    let mut all: Vec<[u32; 2]> = active.iter().flat_map(|i| edges(part(i).vertices)).collect();
+    // An edge as one number sorts much faster.
+    let key = |[a, b]: [u32; 2]| u64::from(a) << 32 | u64::from(b);
+    let mut all: Vec<u64> = active.iter().flat_map(|i| edges(part(i).vertices).map(key)).collect();
     all.par_sort_unstable();
     all.dedup();
+    let edge = |key: u64| [(key >> 32) as u32, key as u32];
     let meets: Vec<Meets> =
-        all.par_iter().with_min_len(256).map(|e| meets(parts, curve, tolerance, *e)).collect();
-    let look = |a: u32, b: u32| {
-        let edge = [a.min(b), a.max(b)];
-        all.binary_search(&edge).map_or(Meets::Not, |at| meets[at])
-    };
+        all.par_iter().with_min_len(256).map(|k| meets(parts, curve, tolerance, edge(*k))).collect();
+    let look = |edge: [u32; 2]| all.binary_search(&key(edge)).map_or(Meets::Not, |at| meets[at]);
     let mut bends: Vec<Bend> = active
         .par_iter()
         .with_min_len(256)
         .flat_map_iter(|i| {
             let part = part(i);
-            let faces = TET_FACES.iter().filter_map(move |face| {
-                let f = face.map(|k| part.vertices[k]);
+            let met = edges(part.vertices).map(look);
+            let faces = TET_FACES.iter().filter_map(move |&[x, y, z]| {
                 // By the vertex opposite.
-                let met = [look(f[1], f[2]), look(f[2], f[0]), look(f[0], f[1])];
-                bend(parts, curve, tolerance, part, f, met)
+                let around = [[y, z], [z, x], [x, y]].map(|[a, b]| met[EDGE_OF[a][b]]);
+                bend(parts, curve, tolerance, part, [x, y, z].map(|k| part.vertices[k]), around)
             });
-            let met = edges(part.vertices).map(|[a, b]| look(a, b));
             faces.chain(inner_bend(parts, curve, tolerance, part, met))
         })
         .collect();
@@ -112,14 +111,17 @@ fn wanted(parts: &Subdivision, curve: &Curve, tolerance: f64, active: &[u32]) ->
     bends.par_sort_unstable_by(|a, b| a.split.edge.cmp(&b.split.edge).then(place(a, b)));
     bends.dedup_by_key(|b| b.split.edge);
     let mut splits: Vec<Split> = bends.into_iter().map(|b| b.split).collect();
-    splits.retain(|s| !matches!(look(s.edge[0], s.edge[1]), Meets::Often(_)));
-    splits.extend(all.iter().zip(&meets).filter_map(|(edge, m)| match m {
-        Meets::Often(t) => Some(Split::at(*edge, *t)),
+    splits.retain(|s| !matches!(look(s.edge), Meets::Often(_)));
+    splits.extend(all.iter().zip(&meets).filter_map(|(key, m)| match m {
+        Meets::Often(t) => Some(Split::at(edge(*key), *t)),
         _ => None,
     }));
     splits.sort_unstable_by_key(|s| s.edge);
     splits
 }
+
+/// Which of a tetrahedron's edges, in the order of [`edges`], joins two of its vertices.
+const EDGE_OF: [[usize; 4]; 4] = [[0, 0, 1, 2], [0, 0, 3, 4], [1, 3, 0, 5], [2, 4, 5, 0]];
 
 fn meets(parts: &Subdivision, curve: &Curve, tolerance: f64, edge: [u32; 2]) -> Meets {
     let [a, b] = edge.map(|v| parts.vertices[v as usize]);

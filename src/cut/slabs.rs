@@ -56,6 +56,11 @@ impl Slabs {
         }
     }
 
+    /// How many slabs there are.
+    pub(super) fn count(&self) -> usize {
+        self.start.len() - 1
+    }
+
     /// The slab of a height; those beyond the last count to the last.
     pub(super) fn of(&self, y: f64) -> usize {
         // A cast from a float saturates.

@@ -12,6 +12,7 @@ mod frame;
 mod gradient;
 mod graph;
 mod laplacian;
+mod painted_surface;
 mod rbf;
 mod scale;
 mod singular;

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::clump::Pasted;
 use super::coverage::MaskTable;
 use super::fill::FillError;
 use super::hide::{Layer, visible};
+use super::pasted::Pasted;
 use super::solid::{LappedSolid, Patch};
 use crate::exec::{Cancelled, Exec};
 use crate::mesh::TetMesh;

@@ -7,13 +7,14 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::assemble::{assemble, stack};
-use super::clump::{Ground, Pasted, Seed, Workspace, paste};
+use super::clump::{Workspace, paste};
 use super::coverage::{Alpha, MaskTable, POINTS, sample_lattice};
 use super::kind::TextureType;
 use super::mapped;
 use super::measure::{FillMeasures, Fits, sharpness};
 use super::optimise::Given;
 use super::params::FillParams;
+use super::pasted::{Ground, Pasted, Seed};
 use super::seed::{Apart, spots, turn};
 use super::solid::LappedSolid;
 use crate::exec::{Cancelled, Exec};

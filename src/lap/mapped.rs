@@ -3,10 +3,10 @@
 
 use glam::{DQuat, DVec3};
 
-use super::clump::{Fit, Ground, Pasted, columns};
 use super::fill::FillError;
 use super::frames::PatchFrames;
 use super::optimise::Given;
+use super::pasted::{Fit, Ground, Pasted, columns};
 use crate::field::tet_gradients;
 use crate::mesh::TetMesh;
 

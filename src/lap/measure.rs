@@ -6,8 +6,8 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::clump::Fit;
 use super::optimise::Given;
+use super::pasted::Fit;
 use super::solid::{LappedSolid, interpolate};
 use crate::exec::{Cancelled, Exec};
 use crate::mesh::NONE;

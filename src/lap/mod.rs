@@ -15,6 +15,7 @@ mod mapped;
 mod measure;
 mod optimise;
 mod params;
+mod pasted;
 mod seed;
 mod solid;
 mod unfilled;

@@ -26,14 +26,13 @@ pub use clean::{CleanError, CleanReport, Cleaned, Provenance, WELD_TOLERANCE, cl
 pub use defects::{
     AtEdge, AtTriangle, AtVertex, Crossing, Defects, Found, Hole, MAX_CROSSINGS, PLACES, defects,
 };
-pub(crate) use edges::Merging;
 pub use locate::TetLocator;
 pub(crate) use locate::closest_on_triangle;
 pub use mesher::{Mesher, MesherError, MesherLimits, tetgen_helper};
 pub use read::{MAX_MESH_ELEMENTS, MESH_EXTENSIONS, MeshFault, MeshFile, MeshReadError, Place, read};
 pub use refine::refine;
+pub(crate) use tet::index;
 pub use tet::{BoundaryFace, FaceOrigin, NONE, TET_FACES, TetMesh, TopologyError, gradients, signed_volume};
-pub(crate) use tet::{Buckets, index};
 pub use tet_files::{
     TET_EXTENSIONS, TetFileError, VtuField, VtuValues, read_tets, tet_file_names, write_tets, write_vtu,
 };

@@ -3,18 +3,21 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::{TetMesh, index, signed_volume};
+use super::{NONE, TetMesh, index, signed_volume};
 
-/// The weights of a part that is a whole tetrahedron.
-pub(crate) const WHOLE: u32 = u32::MAX;
 /// A face inside the parent.
 pub(crate) const INNER: u8 = 4;
 
 /// Barycentric coordinates in the parent of a part's four vertices.
 pub(crate) type Weights = [[f64; 4]; 4];
 
-const IDENTITY: Weights =
-    [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+/// Where a new vertex lies in the mesh before any split: weights of at most four of its vertices, those of one
+/// tetrahedron, each once. What is left of the four has weight 0.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    vertices: [u32; 4],
+    weights: [f64; 4],
+}
 
 /// A part of a tetrahedron.
 #[derive(Debug, Clone, Copy)]
@@ -25,8 +28,8 @@ pub(crate) struct Part {
     pub(crate) parent: u32,
     /// The face of the parent that its face opposite each vertex lies on, or [`INNER`].
     pub(crate) faces: [u8; 4],
-    /// Its place in [`Subdivision::weights`], or [`WHOLE`].
-    pub(crate) weights: u32,
+    /// Whether it is all of that tetrahedron.
+    pub(crate) whole: bool,
 }
 
 /// An edge and the place at which it is split.
@@ -56,16 +59,17 @@ pub(crate) struct Subdivision {
     pub(crate) splits: Vec<Split>,
     /// The parts; those that a split adds stand at the end.
     pub(crate) parts: Vec<Part>,
-    /// Weights of the parts that are no whole tetrahedra.
-    pub(crate) weights: Vec<Weights>,
+    /// Where each new vertex lies.
+    places: Vec<Place>,
+    /// How many vertices the mesh has.
+    own: usize,
 }
 
-/// A part under division, with its own weights.
+/// A part under division.
 #[derive(Clone, Copy)]
 struct Slice {
     vertices: [u32; 4],
     faces: [u8; 4],
-    weights: Weights,
 }
 
 /// What a run of parts divides into: how many slices each, all slices, and the parts with a bad one.
@@ -79,19 +83,33 @@ impl Subdivision {
 
     /// Some tetrahedra, all whole. An edge may be split only where all tetrahedra around it are among them.
     pub(crate) fn of(mesh: &TetMesh, tets: &[u32]) -> Self {
-        let part = |&t: &u32| Part {
-            vertices: mesh.tets[t as usize],
-            parent: t,
-            faces: [0, 1, 2, 3],
-            weights: WHOLE,
-        };
+        let part =
+            |&t: &u32| Part { vertices: mesh.tets[t as usize], parent: t, faces: [0, 1, 2, 3], whole: true };
         let parts = tets.iter().map(part).collect();
-        Self { vertices: mesh.vertices.clone(), splits: Vec::new(), parts, weights: Vec::new() }
+        let vertices = mesh.vertices.clone();
+        let own = vertices.len();
+        Self { vertices, splits: Vec::new(), parts, places: Vec::new(), own }
     }
 
     /// Corners of a part.
     pub(crate) fn corners(&self, part: &Part) -> [DVec3; 4] {
         part.vertices.map(|v| self.vertices[v as usize])
+    }
+
+    /// Barycentric coordinates of a part's vertices in its tetrahedron, which has these vertices.
+    pub(crate) fn weights(&self, part: &Part, tet: [u32; 4]) -> Weights {
+        part.vertices.map(|v| {
+            let place = self.place(v);
+            tet.map(|w| place.vertices.iter().position(|u| *u == w).map_or(0.0, |k| place.weights[k]))
+        })
+    }
+
+    /// Where a vertex lies.
+    fn place(&self, v: u32) -> Place {
+        match (v as usize).checked_sub(self.own) {
+            Some(new) => self.places[new],
+            None => Place { vertices: [v, NONE, NONE, NONE], weights: [1.0, 0.0, 0.0, 0.0] },
+        }
     }
 
     /// Splits edges, sorted and each once, at a new vertex each, which are numbered in the same order. The
@@ -131,6 +149,10 @@ impl Subdivision {
             bad.dedup();
             return Err(bad);
         }
+        for s in splits {
+            let [a, b] = s.edge.map(|v| self.place(v));
+            self.places.push(a.towards(&b, s.t));
+        }
         self.splits.extend_from_slice(splits);
         let mut changed = Vec::new();
         for (chunk, (counts, slices, _)) in hits.chunks(256).zip(&batches) {
@@ -140,15 +162,8 @@ impl Subdivision {
                 rest = after;
                 let was = self.parts[i as usize];
                 for (n, slice) in mine.iter().enumerate() {
-                    let weights = if n == 0 && was.weights != WHOLE {
-                        self.weights[was.weights as usize] = slice.weights;
-                        was.weights
-                    } else {
-                        self.weights.push(slice.weights);
-                        index(self.weights.len() - 1)
-                    };
-                    let part =
-                        Part { vertices: slice.vertices, parent: was.parent, faces: slice.faces, weights };
+                    let Slice { vertices, faces } = *slice;
+                    let part = Part { vertices, parent: was.parent, faces, whole: false };
                     if n == 0 {
                         self.parts[i as usize] = part;
                         changed.push(i);
@@ -177,8 +192,7 @@ impl Subdivision {
                 y.0.total_cmp(&x.0).then(y.1.total_cmp(&x.1)).then(a.cmp(&b))
             });
             let start = slices.len();
-            let weights = if part.weights == WHOLE { IDENTITY } else { self.weights[part.weights as usize] };
-            slices.push(Slice { vertices: part.vertices, faces: part.faces, weights });
+            slices.push(Slice { vertices: part.vertices, faces: part.faces });
             for &s in &*list {
                 let split = splits[s as usize];
                 let middle = index(old) + s;
@@ -195,6 +209,28 @@ impl Subdivision {
             counts.push((slices.len() - start) as u8);
         }
         (counts, slices, bad)
+    }
+}
+
+impl Place {
+    /// The place on the way to another in the same tetrahedron, from 0 here to 1 there.
+    fn towards(&self, other: &Self, t: f64) -> Self {
+        let weight = |place: &Self, v: u32| {
+            place.vertices.iter().position(|u| *u == v).map_or(0.0, |k| place.weights[k])
+        };
+        let mut result = Self { vertices: self.vertices, weights: [0.0; 4] };
+        for v in other.vertices {
+            // One tetrahedron has four vertices: there is room.
+            let free = result.vertices.iter().position(|u| *u == NONE || *u == v);
+            if let Some(free) = free.filter(|_| v != NONE) {
+                result.vertices[free] = v;
+            }
+        }
+        for (v, w) in result.vertices.into_iter().zip(&mut result.weights).filter(|(v, _)| *v != NONE) {
+            let (a, b) = (weight(self, v), weight(other, v));
+            *w = a + (b - a) * t;
+        }
+        result
     }
 }
 
@@ -253,15 +289,11 @@ impl Slice {
     fn bisect(&mut self, split: Split, middle: u32) -> Option<Slice> {
         let a = self.vertices.iter().position(|&v| v == split.edge[0])?;
         let b = self.vertices.iter().position(|&v| v == split.edge[1])?;
-        let (wa, wb) = (self.weights[a], self.weights[b]);
-        let weights = std::array::from_fn(|n| wa[n] + (wb[n] - wa[n]) * split.t);
         // Each half swaps one vertex; the face between the halves lies opposite the vertex that stays.
         let mut other = *self;
         self.vertices[b] = middle;
-        self.weights[b] = weights;
         self.faces[a] = INNER;
         other.vertices[a] = middle;
-        other.weights[a] = weights;
         other.faces[b] = INNER;
         Some(other)
     }

@@ -176,7 +176,7 @@ impl TetMesh {
 }
 
 /// Things by vertex: a counting sort, because sorting all that a large mesh has takes longer the larger it is.
-pub(crate) struct Buckets<T> {
+struct Buckets<T> {
     start: Vec<usize>,
     things: Vec<T>,
 }

@@ -2,7 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::part::{DepthInput, DirectionInput, Part, PartError};
+use super::part::{DepthInput, DirectionInput, Part};
+use super::part_error::PartError;
 use super::plan::Model;
 use super::report::Report;
 use crate::cut::cut;

@@ -11,6 +11,7 @@ mod models;
 mod output;
 mod painted;
 mod part;
+mod part_error;
 mod plan;
 mod problem;
 mod report;
@@ -22,9 +23,10 @@ pub use file::{CutEntry, ExportEntry, PictureEntry};
 pub use models::Models;
 pub use output::{OutputError, OutputFile, OutputFolder};
 pub use part::{
-    DepthInput, DirectionInput, MAX_REFINE_SINGULAR, MadePart, Part, PartError, PartMesh, ScaleInput,
-    fill_part, is_tet_file, painted_part, tet_mesh,
+    DepthInput, DirectionInput, MAX_REFINE_SINGULAR, MadePart, Part, PartMesh, ScaleInput, fill_part,
+    is_tet_file, painted_part, tet_mesh,
 };
+pub use part_error::PartError;
 pub use plan::{Along, Cut, Model, Picture, Project};
 pub use problem::{ProjectError, ProjectProblem};
 pub use report::{Output, Report};

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::part::PartError;
+use super::part_error::PartError;
 use super::unknown::Complaint;
 use crate::export::ExportError;
 use crate::render::RenderError;

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-use lapis::cut::{CutParams, cut};
+use lapis::cut::{CutParams, cut, section};
 use lapis::exec::{Exec, Progress};
 use lapis::field::{DirectionParams, direction_field, scale_field};
 use lapis::lap::{Fields, FillParams, LappedSolid, TextureType, fill};
@@ -99,6 +99,9 @@ impl Stages {
 
 /// Fills and cuts the model at about `size` tetrahedra.
 pub(crate) fn run(size: usize, threads: usize, save: Option<&Path>) -> Result<Value, Failure> {
+    if let Some(folder) = save {
+        fs::create_dir_all(folder)?;
+    }
     let clock = Arc::new(Clock::default());
     let exec = Exec::with_threads(threads)?.reporting(clock.clone());
     let folder = tempfile::tempdir()?;
@@ -146,7 +149,7 @@ pub(crate) fn run(size: usize, threads: usize, save: Option<&Path>) -> Result<Va
         let (bare, _, _) = time_cut(&without_layers(&solid), &what, &alone)?;
         cuts.insert(
             what.name,
-            json!({ "seconds": seconds, "bare_seconds": bare,
+            json!({ "seconds": seconds, "bare_seconds": bare, "section_seconds": time_section(&solid, &what, &alone)?,
             "triangles": report.cut_triangles, "pieces": report.pieces }),
         );
         if let Some(folder) = save {
@@ -204,18 +207,38 @@ fn time_cut(
     exec: &Exec,
 ) -> Result<(f64, Option<u64>, lapis::cut::CutReport), Failure> {
     reset();
-    let begin = Instant::now();
-    let mut seconds = Vec::new();
-    loop {
+    let mut last = None;
+    let seconds = median(|| {
         let start = Instant::now();
         let (pieces, report) = cut(solid, &what.surface, &CutParams::default(), exec)?;
-        seconds.push(start.elapsed().as_secs_f64());
+        let seconds = start.elapsed().as_secs_f64();
         drop(pieces);
-        if seconds.len() >= CUT_TIMES && begin.elapsed().as_secs_f64() >= CUT_SECONDS {
-            seconds.sort_by(f64::total_cmp);
-            return Ok((seconds[seconds.len() / 2], peak(), report));
-        }
+        last = Some(report);
+        Ok(seconds)
+    })?;
+    Ok((seconds, peak(), last.unwrap_or_default()))
+}
+
+/// The median of the seconds that the surface alone takes.
+fn time_section(solid: &LappedSolid, what: &Cut, exec: &Exec) -> Result<f64, Failure> {
+    median(|| {
+        let start = Instant::now();
+        let section = section(solid, &what.surface, &CutParams::default(), exec)?;
+        let seconds = start.elapsed().as_secs_f64();
+        drop(section);
+        Ok(seconds)
+    })
+}
+
+/// The median of what some runs give.
+fn median(mut run: impl FnMut() -> Result<f64, Failure>) -> Result<f64, Failure> {
+    let begin = Instant::now();
+    let mut seconds = Vec::new();
+    while seconds.len() < CUT_TIMES || begin.elapsed().as_secs_f64() < CUT_SECONDS {
+        seconds.push(run()?);
     }
+    seconds.sort_by(f64::total_cmp);
+    Ok(seconds[seconds.len() / 2])
 }
 
 /// The same tetrahedra with nothing pasted on them: what other programs cut.

@@ -242,6 +242,50 @@ fn the_cut_follows_the_stroke() {
 }
 
 #[test]
+fn a_section_is_what_the_cut_opens() {
+    let solid = solid(5, true, 0.1, 3);
+    let mut seen = 0;
+    for surface in [plane([0.3, 0.2, 1.0], 0.07), wave(0.05, 1.0, 60)] {
+        let section = section(&solid, &surface, &CutParams::default(), &Exec::default()).unwrap();
+        let (_, report) = made(&solid, &surface);
+        let corners = |t: &[u32; 3]| t.map(|v| section.mesh.vertices[v as usize]);
+        let area: f64 = section
+            .mesh
+            .triangles
+            .iter()
+            .map(|t| {
+                let [a, b, c] = corners(t);
+                0.5 * (b - a).cross(c - a).length()
+            })
+            .sum();
+        if let CutSurface::Plane { normal, offset } = &surface {
+            assert!((area / report.cut_area - 1.0).abs() < 1e-3, "{area} {}", report.cut_area);
+            assert!(section.mesh.vertices.len() >= report.vertices_cut && report.vertices_cut > 0);
+            for t in &section.mesh.triangles {
+                let [a, b, c] = corners(t);
+                assert!([a, b, c].iter().all(|p| (normal.dot(*p) - offset).abs() < 1e-12));
+                assert!((b - a).cross(c - a).dot(*normal) >= 0.0);
+            }
+        } else {
+            assert!((area / report.cut_area - 1.0).abs() < 0.05, "{area} {}", report.cut_area);
+        }
+        for (t, tet) in section.mesh.triangles.iter().zip(&section.tets) {
+            for &v in t {
+                let ([a, b], part) = section.edges[v as usize];
+                let own = solid.mesh.tets[*tet as usize];
+                assert!(own.contains(&a) && own.contains(&b) && (0.0..=1.0).contains(&part));
+            }
+        }
+        seen += section.tets.len();
+    }
+    assert!(seen > 100);
+    // Beside the model there is nothing.
+    let none =
+        section(&solid, &plane([0.0, 0.0, 1.0], 9.0), &CutParams::default(), &Exec::default()).unwrap();
+    assert!(none.mesh.vertices.is_empty() && none.tets.is_empty());
+}
+
+#[test]
 fn pieces_can_be_cut_again() {
     let whole = solid(5, true, 0.2, 6);
     let (first, _) = made(&whole, &wave(0.2, 2.0, 80));

@@ -1,0 +1,143 @@
+//! Why a part cannot be filled.
+
+use std::path::PathBuf;
+
+use super::part::MAX_REFINE_SINGULAR;
+use crate::cut::CutError;
+use crate::exec::Cancelled;
+use crate::lap::{FillError, LookError, TextureType};
+use crate::mesh::{CleanError, MeshReadError, SplitError, TetError, TetFileError, TopologyError};
+use crate::paint::{PaintError, PaintProblem};
+use crate::volume::VolumeReadError;
+
+/// A part that cannot be filled.
+#[derive(Debug, thiserror::Error)]
+pub enum PartError {
+    /// The texture type needs something that is not given.
+    #[error("texture type {kind} needs {}: {}", inputs.join(" and "), how_to_give(inputs))]
+    Needs {
+        /// The type.
+        kind: TextureType,
+        /// What is missing: `depth`, `direction`, `scale`, `along`, `across`.
+        inputs: Vec<&'static str>,
+    },
+    /// Something is given that the texture type does not draw on.
+    #[error("texture type {kind} takes no {input}: {}", why_not(*kind, input))]
+    Takes {
+        /// The type.
+        kind: TextureType,
+        /// What is too much.
+        input: &'static str,
+    },
+    /// A constant direction without length.
+    #[error("the constant direction is zero or not finite")]
+    NoDirection,
+    /// A mesh file that cannot be read.
+    #[error(transparent)]
+    Mesh(#[from] MeshReadError),
+    /// Tetrahedra that cannot be read.
+    #[error(transparent)]
+    TetFile(#[from] TetFileError),
+    /// A volume that cannot be read.
+    #[error(transparent)]
+    Volume(#[from] VolumeReadError),
+    /// A surface of which nothing is left when it is cleaned.
+    #[error("the mesh {} is no surface", path.display())]
+    Clean {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: CleanError,
+    },
+    /// A surface that cannot be filled with tetrahedra.
+    #[error("cannot fill the mesh {} with tetrahedra", path.display())]
+    Tetrahedralise {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: TetError,
+    },
+    /// Tetrahedra of a file that cannot be made fit for depth.
+    #[error("the tetrahedra of {} cannot take a painted depth", path.display())]
+    Split {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: SplitError,
+    },
+    /// Refining at the singularities failed.
+    #[error("cannot refine the tetrahedra at the frames' singularities; leave refine_singular at 0")]
+    Refine(#[source] TopologyError),
+    /// More levels of refinement than make sense.
+    #[error(
+        "refine_singular is {0}; it must be 0 to {MAX_REFINE_SINGULAR}: each level halves the edges there"
+    )]
+    RefineLevels(u32),
+    /// Something painted that cannot be used.
+    #[error(transparent)]
+    Paint(PaintError),
+    /// A cut on whose piece something is painted.
+    #[error("cannot make the cut '{name}', on a piece of which something is painted")]
+    Cut {
+        /// Its name.
+        name: String,
+        /// Why.
+        source: CutError,
+    },
+    /// The mesh has no look to keep.
+    #[error(
+        "keep_look (--keep-look on the command line): {} has no look to keep{notes}; leave it out, or export the \
+         mesh with vertex colours or with its materials and pictures (OBJ with its MTL and PNG beside it, GLB, PLY)",
+        path.display()
+    )]
+    Look {
+        /// The mesh.
+        path: PathBuf,
+        /// What was said when it was read, each in brackets after a space.
+        notes: String,
+        /// What is missing.
+        source: LookError,
+    },
+    /// The lapping failed.
+    #[error("cannot lap the texture")]
+    Fill(#[source] FillError),
+    /// The caller asked it to stop.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl From<PaintError> for PartError {
+    fn from(error: PaintError) -> Self {
+        match *error.problem {
+            PaintProblem::Cancelled(c) => Self::Cancelled(c),
+            _ => Self::Paint(error),
+        }
+    }
+}
+
+fn how_to_give(inputs: &[&str]) -> String {
+    let how = inputs.iter().map(|input| match *input {
+        "depth" => "paint depth ([depth] in a project file; --core on the command line)",
+        "direction" => "set the direction ([direction] in a project file; --direction on the command line)",
+        "scale" => {
+            "set the scale, the world length of one unit of texture ([scale] in a project file; --scale on the \
+             command line)"
+        }
+        "along" => "paint along, where the texture's x runs ([along] in a project file only)",
+        _ => "paint across, where the texture's z runs ([across] in a project file only)",
+    });
+    how.collect::<Vec<_>>().join("; ")
+}
+
+fn why_not(kind: TextureType, input: &str) -> &'static str {
+    match input {
+        "scale" if kind == TextureType::Type2d => "its fields say where each point of the texture goes",
+        "scale" => "its scale follows from the depth",
+        "direction" if kind == TextureType::Type0 => "it looks the same from every side",
+        "direction" if kind == TextureType::Type1b => "it turns freely about the depth's gradient",
+        "direction" => "its directions follow from the fields",
+        "along" => "its texture's x is no field",
+        "across" => "its texture's z is no field",
+        _ => "it does not vary with depth",
+    }
+}
