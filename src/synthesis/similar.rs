@@ -1,0 +1,165 @@
+//! Similarity sets: for each neighbourhood of a photograph those that look most like it \[CW 3, 4.3\].
+
+use rayon::prelude::*;
+
+use super::atlas::NOWHERE;
+use super::basis::{DIMENSIONS, Descriptor};
+use super::windows::SIMILAR;
+
+/// How many candidates on either side are looked at, at most. Photographs of up to some 128² pixels are searched
+/// wholly; for larger ones this keeps the time linear.
+const REACH: usize = 8192;
+
+/// For each of `places` the places of the neighbourhoods that look most like it, best first.
+///
+/// A neighbourhood's own surroundings always look like it, but the search comes to them by other ways: members of
+/// a set lie more than `apart` pixels from it and from each other. Where the texture varies with depth, they lie
+/// within `tolerance` of each other's depth.
+///
+/// Candidates are taken in order of their distance along the first principal axis, outward from the neighbourhood
+/// itself, until that distance alone is too large.
+pub(super) fn similar(
+    places: &[u32],
+    descriptors: &[Descriptor],
+    pixel: impl Fn(usize) -> [usize; 2] + Sync,
+    depth: impl Fn(usize) -> u16 + Sync,
+    tolerance: usize,
+    apart: usize,
+) -> Vec<[u32; SIMILAR - 1]> {
+    let mut order: Vec<u32> = (0..places.len() as u32).collect();
+    order.sort_by(|&a, &b| {
+        let key = |n: u32| descriptors[n as usize][0];
+        key(a).total_cmp(&key(b)).then(a.cmp(&b))
+    });
+    struct Entry {
+        look: Descriptor,
+        pixel: [u16; 2],
+        depth: u16,
+    }
+    let entry = |&n: &u32| {
+        let n = n as usize;
+        Entry { look: descriptors[n], pixel: pixel(n).map(|c| c as u16), depth: depth(n) }
+    };
+    let sorted: Vec<Entry> = order.iter().map(entry).collect();
+    let near = |a: &Entry, b: &Entry| (0..2).all(|k| usize::from(a.pixel[k].abs_diff(b.pixel[k])) <= apart);
+    let sets: Vec<[u32; SIMILAR - 1]> = (0..sorted.len())
+        .into_par_iter()
+        .map(|rank| {
+            let own = &sorted[rank];
+            let mut best: Vec<(f32, usize)> = Vec::with_capacity(SIMILAR);
+            let (mut below, mut above) = (rank, rank + 1);
+            let first = rank.saturating_sub(REACH);
+            let end = (rank + 1 + REACH).min(sorted.len());
+            loop {
+                let gap = |n: usize| (sorted[n].look[0] - own.look[0]).abs();
+                let down = if below > first { gap(below - 1) } else { f32::INFINITY };
+                let up = if above < end { gap(above) } else { f32::INFINITY };
+                let limit = if best.len() == SIMILAR - 1 { best[SIMILAR - 2].0 } else { f32::INFINITY };
+                let gap = down.min(up);
+                if gap == f32::INFINITY || gap * gap >= limit {
+                    break;
+                }
+                let n = if down <= up {
+                    below -= 1;
+                    below
+                } else {
+                    above += 1;
+                    above - 1
+                };
+                let other = &sorted[n];
+                if near(own, other) || usize::from(own.depth.abs_diff(other.depth)) > tolerance {
+                    continue;
+                }
+                let distance = distance(&own.look, &other.look, limit);
+                if distance < limit {
+                    insert(&mut best, distance, n, |a, b| near(&sorted[a], &sorted[b]));
+                }
+            }
+            let mut set = [NOWHERE; SIMILAR - 1];
+            for (place, &(_, n)) in set.iter_mut().zip(&best) {
+                *place = places[order[n] as usize];
+            }
+            set
+        })
+        .collect();
+    let mut by_place = vec![[NOWHERE; SIMILAR - 1]; places.len()];
+    for (&n, set) in order.iter().zip(sets) {
+        by_place[n as usize] = set;
+    }
+    by_place
+}
+
+/// Keeps the best, sorted, no two of them near each other.
+fn insert(best: &mut Vec<(f32, usize)>, distance: f32, n: usize, near: impl Fn(usize, usize) -> bool) {
+    if best.iter().any(|&(d, m)| d <= distance && near(m, n)) {
+        return;
+    }
+    best.retain(|&(_, m)| !near(m, n));
+    let at = best.partition_point(|&(d, _)| d <= distance);
+    best.insert(at, (distance, n));
+    best.truncate(SIMILAR - 1);
+}
+
+/// Squared distance; some larger number than `limit` where it is larger than that.
+#[inline(always)]
+pub(super) fn distance(a: &Descriptor, b: &Descriptor, limit: f32) -> f32 {
+    let mut sum = 0.0;
+    for block in 0..DIMENSIONS / 8 {
+        let mut part = [0.0f32; 8];
+        for k in 0..8 {
+            let d = a[block * 8 + k] - b[block * 8 + k];
+            part[k] = d * d;
+        }
+        let half = [part[0] + part[4], part[1] + part[5], part[2] + part[6], part[3] + part[7]];
+        sum += (half[0] + half[2]) + (half[1] + half[3]);
+        if sum >= limit {
+            return sum;
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn agrees_with_looking_at_all() {
+        let side = 24usize;
+        let look = |n: usize| {
+            let mut d = [0.0; DIMENSIONS];
+            let (x, y) = ((n % side) as f32, (n / side) as f32);
+            for (k, d) in d.iter_mut().enumerate() {
+                *d = (x * 0.9 + k as f32).sin() * (y * 0.7 - k as f32 * 0.3).cos() / (1.0 + k as f32);
+            }
+            d
+        };
+        let all: Vec<Descriptor> = (0..side * side).map(look).collect();
+        let places: Vec<u32> = (100..100 + (side * side) as u32).collect();
+        let pixel = |n: usize| [n % side, n / side];
+        let sets = similar(&places, &all, pixel, |n| (n / side) as u16, 5, 2);
+        for n in 0..all.len() {
+            let near = |a: usize, b: usize| {
+                let (a, b) = (pixel(a), pixel(b));
+                a[0].abs_diff(b[0]) <= 2 && a[1].abs_diff(b[1]) <= 2
+            };
+            let best = (0..all.len())
+                .filter(|&m| !near(m, n) && (m / side).abs_diff(n / side) <= 5)
+                .map(|m| distance(&all[n], &all[m], f32::INFINITY))
+                .fold(f32::INFINITY, f32::min);
+            let found = sets[n].map(|p| p as usize - 100);
+            assert_eq!(distance(&all[n], &all[found[0]], f32::INFINITY), best);
+            for (k, &m) in found.iter().enumerate() {
+                assert!((m / side).abs_diff(n / side) <= 5 && !near(m, n));
+                assert!(found[..k].iter().all(|&o| !near(o, m)));
+            }
+        }
+    }
+
+    #[test]
+    fn one_colour_comes_to_an_end() {
+        let places: Vec<u32> = (0..900).collect();
+        let sets = similar(&places, &vec![[0.5; DIMENSIONS]; 900], |n| [n % 30, n / 30], |_| 0, 0, 2);
+        assert!(sets.iter().all(|s| s[0] != NOWHERE));
+    }
+}
