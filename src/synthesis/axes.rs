@@ -95,7 +95,9 @@ impl FromStr for Axes {
         }
         for letter in text.chars() {
             let axis = letter.to_string().parse::<Axis>().map_err(|_| {
-                format!("'{text}' names no axes: write the letters of those that are meant, as in xz, or none")
+                format!(
+                    "'{text}' names no axes: write the letters of those that are meant, as in xz, or none"
+                )
             })?;
             axes[axis.index()] = true;
         }

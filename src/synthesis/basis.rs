@@ -1,9 +1,9 @@
 //! The principal axes of a photograph's neighbourhoods \[CW 4.3\]: a neighbourhood of 8×8 pixels has 192 numbers, of
 //! which some twenty carry nearly all that differs from one to the next.
 
+use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
-use faer::diag::Diag;
 use faer::{Mat, Par};
 
 /// Numbers that describe a neighbourhood: three registers of eight.
@@ -81,8 +81,7 @@ fn eigenvectors(matrix: &Mat<f64>) -> Mat<f64> {
     let n = matrix.nrows();
     let mut vectors = Mat::zeros(n, n);
     let mut values = Diag::zeros(n);
-    let scratch =
-        self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Default::default());
+    let scratch = self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Default::default());
     let mut memory = MemBuffer::new(scratch);
     let stack = MemStack::new(&mut memory);
     let solved = self_adjoint_evd(

@@ -1,13 +1,13 @@
 //! The photographs of a synthesis, and their way to the size that it works with.
 
-use image::imageops::{FilterType, resize};
 use image::RgbaImage;
+use image::imageops::{FilterType, resize};
 
+use super::SynthesisError;
 use super::axes::Axis;
 use super::distance::signed_distance;
 use super::params::{MOST_PIXELS, SynthesisParams};
 use super::plate::Plate;
-use super::SynthesisError;
 use crate::photo::Photograph;
 
 /// What steers structure beside colour.
@@ -58,26 +58,29 @@ impl<'a> Exemplars<'a> {
 }
 
 /// Which pixel coordinate of a photograph (0 to the right, 1 down) is depth, if any.
-pub(super) fn depth_of(directions: &[Option<usize>; 3], varying: Option<Axis>, photo: usize) -> Option<usize> {
+pub(super) fn depth_of(
+    directions: &[Option<usize>; 3],
+    varying: Option<Axis>,
+    photo: usize,
+) -> Option<usize> {
     let varying = varying?;
     let axis = Axis::ALL.into_iter().find(|a| directions[a.index()] == Some(photo))?;
-    if axis.down() == varying {
-        Some(1)
-    } else {
-        (axis.right() == varying).then_some(0)
-    }
+    if axis.down() == varying { Some(1) } else { (axis.right() == varying).then_some(0) }
 }
 
 /// The size that a photograph is brought to: see [`SynthesisParams::photo_size`] and [`SynthesisParams::varying`].
 pub(super) fn working_size(photo: [u32; 2], depth: Option<usize>, params: &SynthesisParams) -> [u32; 2] {
     let scaled = |n: u32, to: u32, from: u32| {
-        u32::try_from((u64::from(n) * u64::from(to) + u64::from(from) / 2) / u64::from(from)).unwrap_or(u32::MAX).max(1)
+        u32::try_from((u64::from(n) * u64::from(to) + u64::from(from) / 2) / u64::from(from))
+            .unwrap_or(u32::MAX)
+            .max(1)
     };
     if let (Some(k), Some(axis)) = (depth, params.varying) {
         let rows = params.size.0[axis.index()];
         return [0, 1].map(|n| if n == k { rows } else { scaled(photo[n], rows, photo[k]) });
     }
-    let most = params.photo_size.unwrap_or_else(|| params.size.0.into_iter().max().unwrap_or(1)).min(MOST_PIXELS);
+    let most =
+        params.photo_size.unwrap_or_else(|| params.size.0.into_iter().max().unwrap_or(1)).min(MOST_PIXELS);
     let longest = photo[0].max(photo[1]);
     if longest <= most { photo } else { photo.map(|n| scaled(n, most, longest)) }
 }

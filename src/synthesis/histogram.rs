@@ -6,31 +6,40 @@ pub(super) struct Histogram {
     counts: Vec<u32>,
     /// θ of the paper for positions, φ for indices; infinite where nothing is held against use.
     wanted: Vec<f32>,
-    /// 1 + max(0, count − wanted); infinite where a place may not be used.
-    factors: Vec<f32>,
+    /// 1 + max(0, count − wanted), infinite where a place may not be used; and its inverse.
+    factors: Vec<[f32; 2]>,
 }
 
 impl Histogram {
     /// An empty histogram over `places` places, of which none may be used.
     pub(super) fn new(places: usize) -> Self {
-        Self { counts: vec![0; places], wanted: vec![f32::INFINITY; places], factors: vec![f32::INFINITY; places] }
+        Self {
+            counts: vec![0; places],
+            wanted: vec![f32::INFINITY; places],
+            factors: vec![[f32::INFINITY, 0.0]; places],
+        }
     }
 
     /// Lets the places be used, together `entries` times, each in proportion to its share; where `matched` is
     /// false, as often as anyone likes.
-    pub(super) fn want(&mut self, shares: impl Iterator<Item = (u32, f32)> + Clone, entries: usize, matched: bool) {
+    pub(super) fn want(
+        &mut self,
+        shares: impl Iterator<Item = (u32, f32)> + Clone,
+        entries: usize,
+        matched: bool,
+    ) {
         let total: f64 = shares.clone().map(|(_, share)| f64::from(share)).sum();
         for (place, share) in shares {
             let part = if total > 0.0 { f64::from(share) / total * entries as f64 } else { 0.0 };
             self.wanted[place as usize] = if matched { part as f32 } else { f32::INFINITY };
-            self.factors[place as usize] = 1.0;
             self.update(place);
         }
     }
 
     fn update(&mut self, place: u32) {
         let p = place as usize;
-        self.factors[p] = 1.0 + (self.counts[p] as f32 - self.wanted[p]).max(0.0);
+        let factor = 1.0 + (self.counts[p] as f32 - self.wanted[p]).max(0.0);
+        self.factors[p] = [factor, 1.0 / factor];
     }
 
     /// One use more.
@@ -49,13 +58,20 @@ impl Histogram {
     /// may not be used at all.
     #[inline(always)]
     pub(super) fn factor(&self, place: u32) -> f32 {
-        self.factors[place as usize]
+        self.factors[place as usize][0]
+    }
+
+    /// The same, and its inverse.
+    #[inline(always)]
+    pub(super) fn factor_and_inverse(&self, place: u32) -> (f32, f32) {
+        let [factor, inverse] = self.factors[place as usize];
+        (factor, inverse)
     }
 
     /// The same for who uses the place already: its own use does not count.
     #[inline(always)]
     pub(super) fn own_factor(&self, place: u32) -> f32 {
-        (self.factors[place as usize] - 1.0).max(1.0)
+        (self.factors[place as usize][0] - 1.0).max(1.0)
     }
 
     /// How often each place is used.

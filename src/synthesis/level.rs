@@ -38,6 +38,9 @@ pub(super) struct State {
     pub(super) weight: [Vec<u16>; 3],
 }
 
+/// Steps to the pixels around one.
+const ASIDE: [[isize; 2]; 8] = [[-1, -1], [0, -1], [1, -1], [-1, 0], [1, 0], [-1, 1], [0, 1], [1, 1]];
+
 /// The upper half of a positive number.
 #[inline(always)]
 pub(super) fn short(x: f32) -> u16 {
@@ -184,12 +187,24 @@ impl Level {
                 let [nx, ny, _] = coarse.lattice.size;
                 (z * ny + y) * nx + x
             };
+            // Both layers of voxels within one coarse layer would get the same neighbourhoods, and the volume would stay
+            // a pile of doubled slices. Every other layer gets those a pixel aside: as a layer it is as coherent.
+            let mut rng = random(self.seed, self.number, 8 + axis.index() as u64, 0);
+            let layers = 0..self.lattice.size[axis.index()];
+            let steps = self.alike(sheet);
+            let aside: Vec<[isize; 2]> = layers
+                .map(|layer| {
+                    let step = steps[(rng.next_u32() % steps.len() as u32) as usize];
+                    if layer % 2 == 1 { step } else { [0, 0] }
+                })
+                .collect();
             let find = |at: [usize; 3], rng: &mut ChaCha8Rng| {
                 let parent = parent(at);
                 let place = from[number(parent)];
                 let [px, py] = coarse.atlas.sheets[sheet].pixel(place);
                 let child = |p: usize, a: usize| (2 * p + at[a]) as isize - 2 * parent[a] as isize;
-                self.nearest(sheet, [child(px, right), child(py, down)], at, rng)
+                let [x, y] = aside[at[axis.index()]];
+                self.nearest(sheet, [child(px, right) + x, child(py, down) + y], at, rng)
             };
             index[axis.index()] = self.sites(axis, find);
             let weights = &state.weight[axis.index()];
@@ -197,6 +212,30 @@ impl Level {
             weight[axis.index()] = (0..self.lattice.voxels()).into_par_iter().map(weigh).collect();
         }
         State { source: vec![NOWHERE; self.lattice.voxels()], index, weight }
+    }
+
+    /// The steps of a pixel that change a photograph least: along its grain, where it has one, and never across its
+    /// depth.
+    fn alike(&self, sheet: usize) -> Vec<[isize; 2]> {
+        let on = &self.atlas.sheets[sheet];
+        let photo_axis = Axis::ALL[self.photo_of.iter().position(|p| *p == Some(sheet)).unwrap_or(0)];
+        let across = self.depth.map(|(axis, _)| usize::from(photo_axis.down() == axis));
+        let change = |[x, y]: [isize; 2]| {
+            let step = y * on.stride as isize + x;
+            let pairs = self.windows[sheet].all.iter().filter_map(|&p| {
+                let (a, b) = (p as usize, p.wrapping_add_signed(step as i32) as usize);
+                self.atlas.usable[b].then(|| {
+                    let [a, b] = [a, b].map(|p| self.atlas.look[p]);
+                    (0..4).map(|k| f64::from(a[k] - b[k]).powi(2)).sum::<f64>()
+                })
+            });
+            let (sum, count) = pairs.fold((0.0, 0), |(sum, count), d| (sum + d, count + 1));
+            sum / f64::from(count.max(1)) / (x * x + y * y) as f64
+        };
+        let steps = ASIDE.into_iter().filter(|step| across.is_none_or(|k| step[k] == 0));
+        let all: Vec<([isize; 2], f64)> = steps.map(|step| (step, change(step))).collect();
+        let least = all.iter().map(|s| s.1).fold(f64::INFINITY, f64::min);
+        all.into_iter().filter(|s| s.1 <= 1.25 * least).map(|s| s.0).collect()
     }
 
     /// The neighbourhood nearest to a pixel that may serve at a voxel; a random one where unusable pixels lie there.
@@ -217,9 +256,11 @@ impl Level {
         let choice = self.choice(sheet, at);
         let found = match self.depth {
             None => choice.binary_search(&place).is_ok(),
-            Some(_) => {
-                choice.binary_search_by_key(&(self.atlas.depth[place as usize], place), |&p| (self.atlas.depth[p as usize], p)).is_ok()
-            }
+            Some(_) => choice
+                .binary_search_by_key(&(self.atlas.depth[place as usize], place), |&p| {
+                    (self.atlas.depth[p as usize], p)
+                })
+                .is_ok(),
         };
         if found { place } else { pick(rng, choice) }
     }

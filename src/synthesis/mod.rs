@@ -84,7 +84,9 @@ pub enum SynthesisError {
         axis: Axis,
     },
     /// A volume that tiles along its depth.
-    #[error("the texture varies along {axis}, so that it cannot tile along it; leave {axis} out of the axes that tile")]
+    #[error(
+        "the texture varies along {axis}, so that it cannot tile along it; leave {axis} out of the axes that tile"
+    )]
     TilingDepth {
         /// The depth.
         axis: Axis,

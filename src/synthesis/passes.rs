@@ -11,7 +11,7 @@ use crate::exec::Stage;
 
 /// One pass of a level.
 pub(super) struct Pass<'a> {
-    /// Its number within the level; odd ones run backward.
+    /// Its number within the level.
     pub(super) number: usize,
     /// What hears of its progress.
     pub(super) stage: &'a Stage<'a>,
@@ -31,11 +31,25 @@ impl Pass<'_> {
 pub(super) fn chunks(lattice: &Lattice, pass: usize) -> impl Iterator<Item = Range<usize>> {
     let [nx, ny, nz] = lattice.size;
     let rows = ny * nz;
-    let voxels = (nx * rows / 64).clamp(1024, 16384);
+    let voxels = (nx * rows / 256).clamp(128, 8192);
     let each = voxels.div_ceil(nx);
     let count = rows.div_ceil(each);
+    // One after the other, pieces would let structure grow along the axes and meet itself where the volume wraps: so
+    // each lies far from the one before, and a pass begins elsewhere than the last.
+    let stride = coprime(count);
     (0..count).map(move |n| {
-        let n = if pass.is_multiple_of(2) { n } else { count - 1 - n };
+        let n = (n * stride + pass * count / 3) % count;
         n * each..((n + 1) * each).min(rows)
     })
+}
+
+/// Some golden section of a number that has no factor with it: its multiples come by all numbers below.
+fn coprime(count: usize) -> usize {
+    let divides = |mut a: usize, mut b: usize| {
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    (count * 5 / 8..).find(|&n| divides(n, count) == 1).unwrap_or(1)
 }

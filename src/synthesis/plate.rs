@@ -52,9 +52,7 @@ impl Plate {
             [colour(0), colour(1), colour(2), sum[3] / count]
         };
         let mean = |values: &Vec<f32>| {
-            let mean = |n: usize| {
-                children(n).map(|c| values[c]).sum::<f32>() / children(n).count() as f32
-            };
+            let mean = |n: usize| children(n).map(|c| values[c]).sum::<f32>() / children(n).count() as f32;
             all.clone().map(mean).collect::<Vec<f32>>()
         };
         Self {

@@ -2,20 +2,20 @@
 
 use rayon::prelude::*;
 
+use super::SynthesisError;
 use super::atlas::Atlas;
 use super::axes::Axis;
 use super::exemplar::{Exemplars, depth_of, plates};
 use super::histogram::Histogram;
 use super::lattice::Lattice;
 use super::level::{Level, State};
-use super::optimise::{Changes, optimise};
+use super::optimise::optimise;
 use super::params::SynthesisParams;
 use super::passes::Pass;
 use super::plate::Plate;
 use super::result::{LevelView, Synthesis, SynthesisReport};
-use super::search::search;
+use super::search::{Effort, search};
 use super::windows::{Depth, Windows};
-use super::SynthesisError;
 use crate::colour::encode;
 use crate::exec::Exec;
 use crate::photo::Photograph;
@@ -135,7 +135,12 @@ fn run(
             let [x, y] = level.atlas.sheets[sheet].pixel(place);
             encode(plates[sheet].light(y * plates[sheet].size[0] + x))
         };
-        on_level(&LevelView { level: number + 1, levels: widths.len(), size: level.lattice.size, colour: &colour });
+        on_level(&LevelView {
+            level: number + 1,
+            levels: widths.len(),
+            size: level.lattice.size,
+            colour: &colour,
+        });
         exec.check()?;
         if depth == 0 {
             return finish(exemplars, params, photos, &level, &state, &position, report);
@@ -182,7 +187,8 @@ fn level(
         }
         if let Some((_, Depth { rows, tolerance })) = depth {
             let half = width / 2;
-            let empty = |&row: &usize| found.between(row.saturating_sub(tolerance), row + tolerance).is_empty();
+            let empty =
+                |&row: &usize| found.between(row.saturating_sub(tolerance), row + tolerance).is_empty();
             if let Some(row) = (half..=rows + half - width).find(empty) {
                 return Err(SynthesisError::EmptyDepth { photo, row, rows });
             }
@@ -194,11 +200,11 @@ fn level(
 /// Passes of a level: many where structure is found, few where it is refined.
 fn passes(number: usize, levels: usize) -> usize {
     if number == 0 {
-        16
+        12
     } else if number + 1 < levels {
-        6
-    } else {
         5
+    } else {
+        6
     }
 }
 
@@ -238,22 +244,21 @@ fn work(
     let mut energy = Vec::with_capacity(passes);
     for number in 0..passes {
         pass.number = number;
-        let drawn = match level.number {
-            0 => 16,
-            _ if level.number + 1 < levels => 2,
-            _ => 0,
+        let coarsest = level.number == 0;
+        let effort = Effort {
+            drawn: if coarsest {
+                8
+            } else if number == 0 {
+                1
+            } else {
+                0
+            },
+            all_sets: coarsest || number == 0,
+            alternate: !coarsest && number > 0,
         };
-        let searched = search(level, &mut state, &mut index, &Changes::all(), drawn, &mut pass, exec)?;
-        let optimised = optimise(level, &mut state, &mut position, &mut pass, exec)?;
+        let searched = search(level, &mut state, &mut index, effort, &mut pass, exec)?;
+        optimise(level, &mut state, &mut position, &mut pass, exec)?;
         let mean = searched.energy / searched.looked.max(1) as f64;
-        if std::env::var("LAPIS_TRACE").is_ok() {
-            eprintln!(
-                "level {} pass {number}: moved {:.3} energy {mean:.4} changed {:.3}",
-                level.number,
-                searched.moved as f64 / searched.looked.max(1) as f64,
-                optimised.changed as f64 / level.lattice.voxels() as f64
-            );
-        }
         energy.push(mean);
     }
     Ok((state, energy, position))

@@ -8,10 +8,9 @@ use super::atlas::NOWHERE;
 use super::axes::Axis;
 use super::basis::Descriptor;
 use super::histogram::Histogram;
-use super::level::{Level, State, long, pick, random, short};
-use super::optimise::Changes;
+use super::level::{Level, State, pick, random, short};
 use super::passes::{Pass, chunks};
-use super::similar::distance;
+use super::windows::SIMILAR;
 use crate::exec::{Cancelled, Exec};
 
 /// Robustness of the energy \[CW 4.1\]: γ.
@@ -38,20 +37,35 @@ pub(super) struct Searched {
 /// The outcome for one voxel in one direction.
 #[derive(Debug, Clone, Copy)]
 struct Match {
+    /// The neighbourhood that is best, as far as the search could see.
     place: u32,
+    /// Its squared distance.
     distance: f32,
+    /// That of the neighbourhood that the voxel has had.
+    before: f32,
 }
 
-const UNTOUCHED: Match = Match { place: NOWHERE, distance: 0.0 };
+const UNTOUCHED: Match = Match { place: NOWHERE, distance: 0.0, before: 0.0 };
 
-/// One pass over all voxels. `histograms` has one for each direction, in the order of the axes; `drawn` random
-/// neighbourhoods are looked at beside the coherent ones.
+/// How hard a pass searches.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Effort {
+    /// Random neighbourhoods that are looked at beside the coherent ones.
+    pub(super) drawn: usize,
+    /// Whether the similarity sets of all neighbours' neighbourhoods are looked through, or only those of a voxel's
+    /// own.
+    pub(super) all_sets: bool,
+    /// Whether only every other voxel is looked at, the others in the next pass: neighbourhoods overlap so much that
+    /// half of them hold a volume in shape.
+    pub(super) alternate: bool,
+}
+
+/// One pass over all voxels. `histograms` has one for each direction, in the order of the axes.
 pub(super) fn search(
     level: &Level,
     state: &mut State,
     histograms: &mut [Histogram; 3],
-    changes: &Changes,
-    drawn: usize,
+    effort: Effort,
     pass: &mut Pass<'_>,
     exec: &Exec,
 ) -> Result<Searched, Cancelled> {
@@ -73,12 +87,16 @@ pub(super) fn search(
             let row = first + n;
             let mut rng = random(level.seed, level.number, 16 + pass.number as u64, row);
             for (&(axis, sheet), line) in directions.iter().zip(line.chunks_exact_mut(nx)) {
-                let finder = Finder { level, state: seen, histogram: &hist[axis.index()], changes, axis, sheet, drawn };
-                if level.atlas.features {
-                    arch.dispatch(|| finder.row::<4>(row, line, &mut rng));
-                } else {
-                    arch.dispatch(|| finder.row::<3>(row, line, &mut rng));
-                }
+                let finder = Finder {
+                    level,
+                    state: seen,
+                    histogram: &hist[axis.index()],
+                    effort,
+                    axis,
+                    sheet,
+                    pass: pass.number,
+                };
+                arch.dispatch(Line { finder: &finder, row, line, rng: &mut rng });
             }
         });
         for (n, line) in found.chunks_exact(wide).enumerate() {
@@ -89,14 +107,20 @@ pub(super) fn search(
                     if m.place == NOWHERE {
                         continue;
                     }
-                    let weight = weight(m.distance, area);
+                    let old = state.index[a][start + x];
+                    let histogram = &mut histograms[a];
+                    // Others of this piece may have taken to the same neighbourhood meanwhile: a move has to be worth
+                    // it as things stand now, else all of them move to and fro together.
+                    let now = m.distance * histogram.factor(m.place);
+                    let moves = old != m.place && now < m.before * histogram.own_factor(old);
+                    let distance = if moves { m.distance } else { m.before };
+                    let weight = weight(distance, area);
                     state.weight[a][start + x] = short(weight);
                     done.looked += 1;
-                    done.energy += f64::from(weight * (m.distance / area as f32 + TINY));
-                    let old = state.index[a][start + x];
-                    if old != m.place {
-                        histograms[a].remove(old);
-                        histograms[a].add(m.place);
+                    done.energy += f64::from(weight * (distance / area as f32 + TINY));
+                    if moves {
+                        histogram.remove(old);
+                        histogram.add(m.place);
                         state.index[a][start + x] = m.place;
                         done.moved += 1;
                     }
@@ -108,19 +132,44 @@ pub(super) fn search(
     Ok(done)
 }
 
+/// The search along a row, compiled for every kind of vector unit; the processor's own is chosen as it runs.
+struct Line<'a> {
+    finder: &'a Finder<'a>,
+    row: usize,
+    line: &'a mut [Match],
+    rng: &'a mut ChaCha8Rng,
+}
+
+impl pulp::WithSimd for Line<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        if self.finder.level.atlas.features {
+            self.finder.row::<4>(self.row, self.line, self.rng);
+        } else {
+            self.finder.row::<3>(self.row, self.line, self.rng);
+        }
+    }
+}
+
 /// The search in one direction.
 struct Finder<'a> {
     level: &'a Level,
     state: &'a State,
     histogram: &'a Histogram,
-    changes: &'a Changes,
+    effort: Effort,
     axis: Axis,
     sheet: usize,
-    drawn: usize,
+    pass: usize,
 }
 
 /// Neighbours whose neighbourhoods are followed, as steps to the right and down.
-const AROUND: [(isize, isize); 4] = [(-1, 0), (1, 0), (0, -1), (0, 1)];
+const AROUND: [(isize, isize); 5] = [(0, 0), (-1, 0), (1, 0), (0, -1), (0, 1)];
+/// Two for each of these, one for the voxel before and one for that behind.
+const BASES: usize = 2 * AROUND.len() + 2;
+/// At most so many neighbourhoods are looked at: coherent ones, their similarity sets, and random ones.
+const CANDIDATES: usize = BASES + (AROUND.len() + 2) * (SIMILAR - 1) + 24;
 
 impl Finder<'_> {
     #[inline(always)]
@@ -129,7 +178,8 @@ impl Finder<'_> {
         let (y, z) = (row % ny, row / ny);
         for (x, entry) in line.iter_mut().enumerate() {
             let (voxel, at) = (row * nx + x, [x, y, z]);
-            if self.state.index[self.axis.index()][voxel] != NOWHERE && self.changes.concerns(self.axis, voxel) {
+            let turn = !self.effort.alternate || (x + y + z + self.pass).is_multiple_of(2);
+            if turn && self.state.index[self.axis.index()][voxel] != NOWHERE {
                 *entry = self.voxel::<C>(voxel, at, rng);
             }
         }
@@ -162,85 +212,114 @@ impl Finder<'_> {
     fn voxel<const C: usize>(&self, voxel: usize, at: [usize; 3], rng: &mut ChaCha8Rng) -> Match {
         let level = self.level;
         let own = self.describe::<C>(at);
-        let index = &self.state.index[self.axis.index()];
-        let sheet = &level.atlas.sheets[self.sheet];
         let windows = &level.windows[self.sheet];
         let range = level.depths(at);
-        let allowed = |place: u32| match range {
-            None => true,
-            Some((from, to)) => (from..=to).contains(&usize::from(level.atlas.depth[place as usize])),
-        };
-        let old = index[voxel];
-        let d = distance(&own, windows.descriptor(old), f32::INFINITY);
-        let mut best = Match { place: old, distance: d };
+        let old = self.state.index[self.axis.index()][voxel];
+        let before = windows.head_distance(old, &own) + windows.tail_distance(old, &own);
+        let mut best = Match { place: old, distance: before, before };
         // Equation 5: the distance is multiplied by a factor that grows with use.
-        let mut cost = d * self.histogram.own_factor(old);
-        let mut consider = |place: u32| {
-            let factor = self.histogram.factor(place);
-            // What may not be used has an infinite factor, and this a limit of 0.
-            let limit = cost / factor;
-            if limit > 0.0 && place != old && allowed(place) {
-                let d = distance(&own, windows.descriptor(place), limit);
-                if d < limit {
-                    best = Match { place, distance: d };
-                    cost = d * factor;
-                }
-            }
-        };
-        let mut tried = [NOWHERE; 16];
-        let mut count = 0;
-        let mut follow = |base: u32| {
-            if tried[..count].contains(&base) || self.histogram.factor(base) == f32::INFINITY {
-                return;
-            }
-            tried[count] = base;
-            count += 1;
-            consider(base);
-            for &other in windows.similar(base) {
-                if other != NOWHERE {
-                    consider(other);
-                }
-            }
-        };
-        follow(old);
-        let slice = level.lattice.slice(self.axis, at);
-        for (right, down) in AROUND {
-            if let Some(near) = slice.at(right, down) {
-                let step = (down * sheet.stride as isize + right) as i32;
-                if index[near] != NOWHERE {
-                    follow(index[near].wrapping_add_signed(-step));
-                }
-                // The pixel that the neighbour is copied from leads on as well, where it is of this photograph.
-                self.lead(near, step, &mut follow);
-            }
+        let mut cost = before * self.histogram.own_factor(old);
+        let mut candidates = [NOWHERE; CANDIDATES];
+        let count = self.candidates(voxel, at, &mut candidates, rng);
+        // First the lower bounds of all costs, without a branch, then the few that may be better.
+        let mut bounds = [(0.0f32, 0.0f32); CANDIDATES];
+        for (bound, &place) in bounds.iter_mut().zip(&candidates[..count]) {
+            *bound = (windows.head_distance(place, &own), self.histogram.factor(place));
         }
-        self.lead(voxel, 0, &mut follow);
-        for near in level.lattice.beside(self.axis, voxel, at).into_iter().flatten() {
-            if index[near] != NOWHERE {
-                follow(index[near]);
+        for (&(head, factor), &place) in bounds.iter().zip(&candidates[..count]) {
+            // What may not be used has an infinite factor.
+            if !(head * factor < cost) || place == old {
+                continue;
             }
-        }
-        if self.drawn > 0 {
-            let choice = level.choice(self.sheet, at);
-            for _ in 0..self.drawn {
-                consider(pick(rng, choice));
+            if let Some((from, to)) = range
+                && !(from..=to).contains(&usize::from(level.atlas.depth[place as usize]))
+            {
+                continue;
+            }
+            let d = head + windows.tail_distance(place, &own);
+            if d * factor < cost {
+                best = Match { place, distance: d, before };
+                cost = d * factor;
             }
         }
         best
     }
 
+    /// The neighbourhoods to choose from: coherent ones with those that look like them, and random ones. How many.
     #[inline(always)]
-    fn lead(&self, near: usize, step: i32, follow: &mut impl FnMut(u32)) {
-        let source = self.state.source[near];
-        if self.level.atlas.sheets.len() == 1 || self.level.atlas.sheet_of(source) == self.sheet {
-            let base = source.wrapping_add_signed(-step);
-            follow(base);
+    fn candidates(
+        &self,
+        voxel: usize,
+        at: [usize; 3],
+        list: &mut [u32; CANDIDATES],
+        rng: &mut ChaCha8Rng,
+    ) -> usize {
+        let windows = &self.level.windows[self.sheet];
+        let mut bases = [NOWHERE; BASES];
+        let (count, with_sets) = self.bases(voxel, at, &mut bases);
+        list[..BASES].copy_from_slice(&bases);
+        let mut n = count;
+        for &base in &bases[..with_sets] {
+            for &other in windows.similar(base) {
+                list[n] = other;
+                n += usize::from(other != NOWHERE);
+            }
         }
+        if self.effort.drawn > 0 {
+            let choice = self.level.choice(self.sheet, at);
+            for _ in 0..self.effort.drawn.min(CANDIDATES - n) {
+                list[n] = pick(rng, choice);
+                n += 1;
+            }
+        }
+        n
     }
-}
 
-/// The weight that is kept of a neighbourhood.
-#[inline(always)]
-pub(super) fn kept_weight(state: &State, axis: Axis, voxel: usize) -> f32 {
-    long(state.weight[axis.index()][voxel])
+    /// The neighbourhoods that follow from those of the voxels around, and from the pixels that they are copied from:
+    /// what lies in the photograph where this voxel lies in the volume. Each once; how many there are.
+    #[inline(always)]
+    fn bases(&self, voxel: usize, at: [usize; 3], bases: &mut [u32; BASES]) -> (usize, usize) {
+        let index = &self.state.index[self.axis.index()];
+        let stride = self.level.atlas.sheets[self.sheet].stride as isize;
+        let one = self.level.atlas.sheets.len() == 1;
+        let mut all = [NOWHERE; BASES];
+        let mut ask = |n: usize, near: usize, step: isize| {
+            if index[near] != NOWHERE {
+                all[n / 2] = index[near].wrapping_add_signed(-step as i32);
+            }
+            let source = self.state.source[near];
+            if one || self.level.atlas.sheet_of(source) == self.sheet {
+                all[AROUND.len() + 2 + n / 2] = source.wrapping_add_signed(-step as i32);
+            }
+        };
+        let slice = self.level.lattice.slice(self.axis, at);
+        for (n, (right, down)) in AROUND.into_iter().enumerate() {
+            if let Some(near) = slice.at(right, down) {
+                ask(2 * n, near, down * stride + right);
+            }
+        }
+        for (n, near) in self.level.lattice.beside(self.axis, voxel, at).into_iter().enumerate() {
+            if let Some(near) = near
+                && index[near] != NOWHERE
+            {
+                all[AROUND.len() + n] = index[near];
+            }
+        }
+        // Own neighbourhood first: it is the first of the list. Sources come last, and alone.
+        let sets = if self.effort.all_sets { AROUND.len() + 2 } else { 1 };
+        let (mut count, mut with_sets) = (0, 0);
+        for (n, base) in all.into_iter().enumerate() {
+            if base != NOWHERE
+                && !bases[..count].contains(&base)
+                && self.histogram.factor(base) < f32::INFINITY
+            {
+                bases[count] = base;
+                count += 1;
+                if n < sets {
+                    with_sets = count;
+                }
+            }
+        }
+        (count, with_sets)
+    }
 }

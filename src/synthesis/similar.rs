@@ -6,9 +6,9 @@ use super::atlas::NOWHERE;
 use super::basis::{DIMENSIONS, Descriptor};
 use super::windows::SIMILAR;
 
-/// How many candidates on either side are looked at, at most. Photographs of up to some 128² pixels are searched
-/// wholly; for larger ones this keeps the time linear.
-const REACH: usize = 8192;
+/// How many candidates on either side are looked at, at most: this keeps the time linear. Where there are more, a set
+/// holds most of its neighbourhood's nearest, which is all that the search asks of it.
+const REACH: usize = 2048;
 
 /// For each of `places` the places of the neighbourhoods that look most like it, best first.
 ///
@@ -31,62 +31,88 @@ pub(super) fn similar(
         let key = |n: u32| descriptors[n as usize][0];
         key(a).total_cmp(&key(b)).then(a.cmp(&b))
     });
-    struct Entry {
-        look: Descriptor,
-        pixel: [u16; 2],
-        depth: u16,
-    }
     let entry = |&n: &u32| {
         let n = n as usize;
-        Entry { look: descriptors[n], pixel: pixel(n).map(|c| c as u16), depth: depth(n) }
+        Entry { look: descriptors[n], pixel: pixel(n).map(|c| c as u16), depth: depth(n), place: places[n] }
     };
     let sorted: Vec<Entry> = order.iter().map(entry).collect();
-    let near = |a: &Entry, b: &Entry| (0..2).all(|k| usize::from(a.pixel[k].abs_diff(b.pixel[k])) <= apart);
-    let sets: Vec<[u32; SIMILAR - 1]> = (0..sorted.len())
-        .into_par_iter()
-        .map(|rank| {
-            let own = &sorted[rank];
-            let mut best: Vec<(f32, usize)> = Vec::with_capacity(SIMILAR);
-            let (mut below, mut above) = (rank, rank + 1);
-            let first = rank.saturating_sub(REACH);
-            let end = (rank + 1 + REACH).min(sorted.len());
-            loop {
-                let gap = |n: usize| (sorted[n].look[0] - own.look[0]).abs();
-                let down = if below > first { gap(below - 1) } else { f32::INFINITY };
-                let up = if above < end { gap(above) } else { f32::INFINITY };
-                let limit = if best.len() == SIMILAR - 1 { best[SIMILAR - 2].0 } else { f32::INFINITY };
-                let gap = down.min(up);
-                if gap == f32::INFINITY || gap * gap >= limit {
-                    break;
-                }
-                let n = if down <= up {
-                    below -= 1;
-                    below
-                } else {
-                    above += 1;
-                    above - 1
-                };
-                let other = &sorted[n];
-                if near(own, other) || usize::from(own.depth.abs_diff(other.depth)) > tolerance {
-                    continue;
-                }
-                let distance = distance(&own.look, &other.look, limit);
-                if distance < limit {
-                    insert(&mut best, distance, n, |a, b| near(&sorted[a], &sorted[b]));
-                }
-            }
-            let mut set = [NOWHERE; SIMILAR - 1];
-            for (place, &(_, n)) in set.iter_mut().zip(&best) {
-                *place = places[order[n] as usize];
-            }
-            set
-        })
-        .collect();
+    let arch = pulp::Arch::new();
+    let find = |rank: usize| arch.dispatch(Find { sorted: &sorted, rank, tolerance, apart });
+    let sets: Vec<[u32; SIMILAR - 1]> = (0..sorted.len()).into_par_iter().map(find).collect();
     let mut by_place = vec![[NOWHERE; SIMILAR - 1]; places.len()];
     for (&n, set) in order.iter().zip(sets) {
         by_place[n as usize] = set;
     }
     by_place
+}
+
+/// A neighbourhood, in order of its first number.
+struct Entry {
+    look: Descriptor,
+    pixel: [u16; 2],
+    depth: u16,
+    place: u32,
+}
+
+/// The search for one neighbourhood's set, compiled for every kind of vector unit.
+struct Find<'a> {
+    sorted: &'a [Entry],
+    rank: usize,
+    tolerance: usize,
+    apart: usize,
+}
+
+impl pulp::WithSimd for Find<'_> {
+    type Output = [u32; SIMILAR - 1];
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        self.set()
+    }
+}
+
+impl Find<'_> {
+    #[inline(always)]
+    fn set(&self) -> [u32; SIMILAR - 1] {
+        let Self { sorted, rank, .. } = *self;
+        let near =
+            |a: &Entry, b: &Entry| (0..2).all(|k| usize::from(a.pixel[k].abs_diff(b.pixel[k])) <= self.apart);
+        let own = &sorted[rank];
+        let mut best: Vec<(f32, usize)> = Vec::with_capacity(SIMILAR);
+        let (mut below, mut above) = (rank, rank + 1);
+        let first = rank.saturating_sub(REACH);
+        let end = (rank + 1 + REACH).min(sorted.len());
+        loop {
+            let gap = |n: usize| (sorted[n].look[0] - own.look[0]).abs();
+            let down = if below > first { gap(below - 1) } else { f32::INFINITY };
+            let up = if above < end { gap(above) } else { f32::INFINITY };
+            let limit = if best.len() == SIMILAR - 1 { best[SIMILAR - 2].0 } else { f32::INFINITY };
+            let gap = down.min(up);
+            if gap == f32::INFINITY || gap * gap >= limit {
+                break;
+            }
+            let n = if down <= up {
+                below -= 1;
+                below
+            } else {
+                above += 1;
+                above - 1
+            };
+            let other = &sorted[n];
+            if near(own, other) || usize::from(own.depth.abs_diff(other.depth)) > self.tolerance {
+                continue;
+            }
+            let distance = distance(&own.look, &other.look, limit);
+            if distance < limit {
+                insert(&mut best, distance, n, |a, b| near(&sorted[a], &sorted[b]));
+            }
+        }
+        let mut set = [NOWHERE; SIMILAR - 1];
+        for (place, &(_, n)) in set.iter_mut().zip(&best) {
+            *place = sorted[n].place;
+        }
+        set
+    }
 }
 
 /// Keeps the best, sorted, no two of them near each other.
@@ -100,23 +126,29 @@ fn insert(best: &mut Vec<(f32, usize)>, distance: f32, n: usize, near: impl Fn(u
     best.truncate(SIMILAR - 1);
 }
 
-/// Squared distance; some larger number than `limit` where it is larger than that.
+/// Squared distance; some number from `limit` on where it is as large as that.
 #[inline(always)]
-pub(super) fn distance(a: &Descriptor, b: &Descriptor, limit: f32) -> f32 {
+fn distance(a: &Descriptor, b: &Descriptor, limit: f32) -> f32 {
     let mut sum = 0.0;
     for block in 0..DIMENSIONS / 8 {
-        let mut part = [0.0f32; 8];
-        for k in 0..8 {
-            let d = a[block * 8 + k] - b[block * 8 + k];
-            part[k] = d * d;
-        }
-        let half = [part[0] + part[4], part[1] + part[5], part[2] + part[6], part[3] + part[7]];
-        sum += (half[0] + half[2]) + (half[1] + half[3]);
+        sum += squares(&a[block * 8..][..8], &b[block * 8..][..8]);
         if sum >= limit {
-            return sum;
+            break;
         }
     }
     sum
+}
+
+/// The squared distance of eight numbers from eight others, in an order that suits a register.
+#[inline(always)]
+pub(super) fn squares(a: &[f32], b: &[f32]) -> f32 {
+    let mut part = [0.0f32; 8];
+    for k in 0..8 {
+        let d = a[k] - b[k];
+        part[k] = d * d;
+    }
+    let half = [part[0] + part[4], part[1] + part[5], part[2] + part[6], part[3] + part[7]];
+    (half[0] + half[2]) + (half[1] + half[3])
 }
 
 #[cfg(test)]

@@ -3,8 +3,12 @@
 use rayon::prelude::*;
 
 use super::atlas::{Atlas, NOWHERE};
-use super::basis::{Basis, Descriptor, DIMENSIONS};
-use super::similar::similar;
+use super::basis::{Basis, DIMENSIONS, Descriptor};
+use super::similar::{similar, squares};
+
+const HEAD: usize = 8;
+type Head = [f32; HEAD];
+type Tail = [f32; DIMENSIONS - HEAD];
 
 /// Members of a similarity set, the neighbourhood itself among them \[CW 5\].
 pub(super) const SIMILAR: usize = 5;
@@ -12,8 +16,6 @@ pub(super) const SIMILAR: usize = 5;
 /// The neighbourhoods of one photograph. Each is named by its centre's place; of an even width, the centre is the
 /// pixel right of and below the middle.
 pub(super) struct Windows {
-    /// Pixels along a side.
-    pub(super) width: usize,
     /// The principal axes.
     pub(super) basis: Basis,
     /// The places of all neighbourhoods that lie within the photograph and hold no unusable pixel, in order of
@@ -21,8 +23,11 @@ pub(super) struct Windows {
     pub(super) all: Vec<u32>,
     /// For each depth, where its neighbourhoods begin in `all`; empty where the texture does not vary with depth.
     pub(super) depth_start: Vec<u32>,
-    /// Descriptor of each place from `base` on; of those that are no neighbourhood, zero.
-    descriptors: Vec<Descriptor>,
+    /// The first numbers of the descriptor of each place from `base` on; of those that are no neighbourhood, zero.
+    /// Most candidates are ruled out by these alone: they lie close together, so that they stay in the cache.
+    heads: Vec<Head>,
+    /// The other numbers.
+    tails: Vec<Tail>,
     /// The others of each place's similarity set.
     similar: Vec<[u32; SIMILAR - 1]>,
     /// The first place that the two lists above have an entry for.
@@ -62,8 +67,11 @@ impl Windows {
         let channels = if atlas.features { 4 } else { 3 };
         let fetch = |n: usize, out: &mut [f32]| patch(atlas, all[n], &offsets, channels, out);
         let length = width * width * channels;
-        let basis =
-            if all.is_empty() { Basis::new(length, 1, |_, out| out.fill(0.0)) } else { Basis::new(length, all.len(), fetch) };
+        let basis = if all.is_empty() {
+            Basis::new(length, 1, |_, out| out.fill(0.0))
+        } else {
+            Basis::new(length, all.len(), fetch)
+        };
         let found: Vec<Descriptor> = (0..all.len())
             .into_par_iter()
             .map_init(
@@ -80,26 +88,35 @@ impl Windows {
         let tolerance = depth.map_or(0, |d| d.tolerance);
         let sets = similar(&all, &found, |n| on.pixel(all[n]), depth_of, tolerance, half);
         let mut windows = Self {
-            width,
             basis,
             depth_start,
-            descriptors: vec![[0.0; DIMENSIONS]; end - first],
+            heads: vec![[0.0; HEAD]; end - first],
+            tails: vec![[0.0; DIMENSIONS - HEAD]; end - first],
             similar: vec![[NOWHERE; SIMILAR - 1]; end - first],
             base: first,
             all: Vec::new(),
         };
         for (n, &place) in all.iter().enumerate() {
-            windows.descriptors[place as usize - first] = found[n];
+            let (head, tail) = found[n].split_at(HEAD);
+            windows.heads[place as usize - first].copy_from_slice(head);
+            windows.tails[place as usize - first].copy_from_slice(tail);
             windows.similar[place as usize - first] = sets[n];
         }
         windows.all = all;
         windows
     }
 
-    /// What the neighbourhood at `place` looks like.
+    /// The part of the squared distance of the neighbourhood at `place` from another that lies along the first axes.
     #[inline(always)]
-    pub(super) fn descriptor(&self, place: u32) -> &Descriptor {
-        &self.descriptors[place as usize - self.base]
+    pub(super) fn head_distance(&self, place: u32, other: &Descriptor) -> f32 {
+        squares(&self.heads[place as usize - self.base], &other[..HEAD])
+    }
+
+    /// The part that lies along the other axes.
+    #[inline(always)]
+    pub(super) fn tail_distance(&self, place: u32, other: &Descriptor) -> f32 {
+        let tail = &self.tails[place as usize - self.base];
+        squares(&tail[..8], &other[8..16]) + squares(&tail[8..], &other[16..])
     }
 
     /// The others of a neighbourhood's similarity set; [`NOWHERE`] where there are fewer.
