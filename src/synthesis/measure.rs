@@ -39,7 +39,6 @@ pub(super) fn seams(texture: &SolidTexture) -> [Option<f64>; 3] {
             if last { outer += u64::from(step) } else { inner += u64::from(step) }
         }
         let inner = inner as f64 / (size[a] - 1) as f64;
-        if std::env::var("LAPIS_TRACE").is_ok() {
             eprintln!("seam {a} {}", outer as f64 / inner);
         }
         Some(if inner == 0.0 { if outer == 0 { 1.0 } else { f64::INFINITY } } else { outer as f64 / inner })
