@@ -40,7 +40,8 @@ pub(super) fn all(
 ) -> Result<Assessment, AssessError> {
     check(texture, params)?;
     let stage = exec.stage("assess", 16);
-    let photos = photos.map(|p| p.map(|p| params.photo_size.map_or_else(|| p.clone(), |side| p.at_most(side))));
+    let photos =
+        photos.map(|p| p.map(|p| params.photo_size.map_or_else(|| p.clone(), |side| p.at_most(side))));
     let count = params.samples as usize;
 
     // One photograph may serve several directions: it is looked at once.
@@ -147,9 +148,8 @@ fn controls(
         let mut dice = Dice::new(seed, 60 + axis as u64);
         let shape = [size[slices::RIGHT[axis]], size[slices::DOWN[axis]]];
         let there: Vec<[f32; 3]> = reference.there();
-        let independent: Vec<Plate> = (0..4)
-            .map(|_| Plate::from_fn(shape, |_, _| Some(there[dice.below(there.len())])))
-            .collect();
+        let independent: Vec<Plate> =
+            (0..4).map(|_| Plate::from_fn(shape, |_, _| Some(there[dice.below(there.len())]))).collect();
         let kinds = [
             independent,
             slices::across(&extruded, axis, &mut dice),
@@ -171,9 +171,21 @@ fn controls(
 fn ratio(distance: &Directions, floor: &Directions) -> Directions {
     let over = |d: &[f64], f: &[f64]| -> Vec<f64> {
         // A photograph that repeats itself exactly has a floor of nothing.
-        d.iter().zip(f).map(|(d, f)| if *f > 0.0 { d / f } else if *d > 0.0 { f64::INFINITY } else { 1.0 }).collect()
+        d.iter()
+            .zip(f)
+            .map(|(d, f)| {
+                if *f > 0.0 {
+                    d / f
+                } else if *d > 0.0 {
+                    f64::INFINITY
+                } else {
+                    1.0
+                }
+            })
+            .collect()
     };
-    let axis = |d: &Option<Vec<f64>>, f: &Option<Vec<f64>>| d.as_ref().zip(f.as_ref()).map(|(d, f)| over(d, f));
+    let axis =
+        |d: &Option<Vec<f64>>, f: &Option<Vec<f64>>| d.as_ref().zip(f.as_ref()).map(|(d, f)| over(d, f));
     Directions {
         x: axis(&distance.x, &floor.x),
         y: axis(&distance.y, &floor.y),
@@ -214,7 +226,8 @@ impl Reference {
             (pyramids(&[first]), pyramids(&[second]), pyramids(&moved))
         });
         for (n, plate) in whole.iter().enumerate() {
-            let Some(own) = patches::draw(std::slice::from_ref(plate), count, &mut Dice::new(seed, PHOTO)) else {
+            let Some(own) = patches::draw(std::slice::from_ref(plate), count, &mut Dice::new(seed, PHOTO))
+            else {
                 break;
             };
             let whitening = Whitening::of(&own, NUMBERS)?;

@@ -92,8 +92,7 @@ mod tests {
 
     #[test]
     fn patches_are_whole() {
-        let picture =
-            Plate::from_fn([20, 9], |x, y| (x != 8 || y != 4).then_some([x as f32, y as f32, 1.0]));
+        let picture = Plate::from_fn([20, 9], |x, y| (x != 8 || y != 4).then_some([x as f32, y as f32, 1.0]));
         let found = corners(&picture);
         // Corners x 0…13, y 0…2, but those within seven pixels of the gap.
         assert_eq!(found.len(), 3 * (14 - 7));

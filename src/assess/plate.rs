@@ -96,8 +96,7 @@ mod tests {
 
     #[test]
     fn halves_and_halving() {
-        let plate =
-            Plate::from_fn([5, 2], |x, y| (x != 4 || y != 0).then_some([x as f32, y as f32, 0.0]));
+        let plate = Plate::from_fn([5, 2], |x, y| (x != 4 || y != 0).then_some([x as f32, y as f32, 0.0]));
         let half = plate.halved();
         assert_eq!((half.size, half.get(1, 0)), ([2, 1], Some([2.5, 0.5, 0.0])));
         let [left, right] = plate.halves(false);

@@ -62,7 +62,9 @@ pub(super) fn gradient(plates: &[Plate]) -> Option<f64> {
         let [w, h] = plate.size;
         for y in 0..h.saturating_sub(1) {
             for x in 0..w.saturating_sub(1) {
-                if let (Some(c), Some(r), Some(d)) = (plate.get(x, y), plate.get(x + 1, y), plate.get(x, y + 1)) {
+                if let (Some(c), Some(r), Some(d)) =
+                    (plate.get(x, y), plate.get(x + 1, y), plate.get(x, y + 1))
+                {
                     let square: f32 = (0..3).map(|n| (r[n] - c[n]).powi(2) + (d[n] - c[n]).powi(2)).sum();
                     sum += f64::from(square.sqrt());
                     count += 1;
@@ -107,7 +109,13 @@ pub(super) fn wrap_seam(texture: &SolidTexture, axis: usize, seed: u64) -> Optio
         .collect();
     let [seam, inside] = steps.iter().fold([0.0; 2], |sum, s| [sum[0] + s[0], sum[1] + s[1]]);
     // A volume of one colour has no seam.
-    Some(if inside > 0.0 { seam / inside } else if seam > 0.0 { f64::INFINITY } else { 1.0 })
+    Some(if inside > 0.0 {
+        seam / inside
+    } else if seam > 0.0 {
+        f64::INFINITY
+    } else {
+        1.0
+    })
 }
 
 /// The part of the voxels whose colour some photograph has.

@@ -112,7 +112,8 @@ mod tests {
 
     fn gaussian(count: usize, scale: &[f64], shift: &[f64], purpose: u64) -> Vec<f32> {
         let mut dice = Dice::new(7, purpose);
-        let point = |_| scale.iter().zip(shift).map(|(s, m)| (s * dice.normal() + m) as f32).collect::<Vec<_>>();
+        let point =
+            |_| scale.iter().zip(shift).map(|(s, m)| (s * dice.normal() + m) as f32).collect::<Vec<_>>();
         (0..count).flat_map(point).collect()
     }
 

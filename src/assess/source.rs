@@ -32,8 +32,7 @@ pub enum SourceError {
 /// # Errors
 /// [`SourceError`] names the file. Sizes are checked before memory is taken.
 pub fn read_source(path: &Path) -> Result<Vec<u32>, SourceError> {
-    let bytes =
-        files::read_whole(path).map_err(|error| SourceError::Io { path: path.to_owned(), error })?;
+    let bytes = files::read_whole(path).map_err(|error| SourceError::Io { path: path.to_owned(), error })?;
     decode(&bytes).map_err(|problem| SourceError::Format { path: path.to_owned(), problem })
 }
 
@@ -52,7 +51,8 @@ fn decode(bytes: &[u8]) -> Result<Vec<u32>, &'static str> {
     if !header.contains("'fortran_order':False") {
         return Err("it is in Fortran's order");
     }
-    let shape = header.split_once("'shape':(").and_then(|(_, s)| s.split_once(')')).ok_or("it has no shape")?.0;
+    let shape =
+        header.split_once("'shape':(").and_then(|(_, s)| s.split_once(')')).ok_or("it has no shape")?.0;
     let mut sides = shape.split(',').filter(|s| !s.is_empty()).map(str::parse::<usize>);
     let count = sides
         .try_fold(1usize, |n, side| side.ok().and_then(|side| n.checked_mul(side)))

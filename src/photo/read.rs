@@ -108,10 +108,14 @@ mod tests {
 
     #[test]
     fn every_format_and_depth() {
-        let rgb = DynamicImage::from(RgbImage::from_fn(9, 5, |x, y| image::Rgb([x as u8 * 20, y as u8 * 30, 7])));
+        let rgb =
+            DynamicImage::from(RgbImage::from_fn(9, 5, |x, y| image::Rgb([x as u8 * 20, y as u8 * 30, 7])));
         for format in [ImageFormat::Png, ImageFormat::Tiff, ImageFormat::WebP, ImageFormat::Bmp] {
             let photo = decode(&bytes(&rgb, format)).ok().unwrap();
-            assert_eq!((photo.size(), photo.pixel(3, 2), photo.is_opaque()), ([9, 5], [60, 60, 7, 255], true));
+            assert_eq!(
+                (photo.size(), photo.pixel(3, 2), photo.is_opaque()),
+                ([9, 5], [60, 60, 7, 255], true)
+            );
         }
         let photo = decode(&bytes(&rgb, ImageFormat::Jpeg)).ok().unwrap();
         assert_eq!(photo.size(), [9, 5]);

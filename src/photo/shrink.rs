@@ -51,7 +51,8 @@ impl Photograph {
         if longest <= side {
             return self.clone();
         }
-        let scaled = |n: u32| ((u64::from(n) * u64::from(side) + u64::from(longest) / 2) / u64::from(longest)).max(1);
+        let scaled =
+            |n: u32| ((u64::from(n) * u64::from(side) + u64::from(longest) / 2) / u64::from(longest)).max(1);
         self.shrunk(self.size.map(|n| scaled(n) as u32))
     }
 }

@@ -48,7 +48,9 @@ pub(super) fn of_photograph(photo: &Photograph) -> Result<Grid, UnrollError> {
     };
     let border = grid.border().collect::<Vec<_>>();
     if border.iter().filter(|&&n| grid.inside[n]).count() * 3 > border.len() {
-        return Err(UnrollError::NoOutline("what stands out from the background reaches the photograph's edge"));
+        return Err(UnrollError::NoOutline(
+            "what stands out from the background reaches the photograph's edge",
+        ));
     }
     let all = grid.inside.len();
     let grid = grid.solid().ok_or(UnrollError::NoOutline("nothing stands out from the background"))?;
@@ -200,7 +202,8 @@ mod tests {
         assert!(Grid { size: [8, 6], inside: grid.inside.iter().map(|i| !i).collect() }.solid().is_some());
         // Twelve pixels are too few; with the hole they would be 16.
         assert!(grid.solid().is_none());
-        let wide: Vec<bool> = (0..400usize).map(|n| (n % 20).abs_diff(10) < 6 && (n / 20).abs_diff(10) < 6).collect();
+        let wide: Vec<bool> =
+            (0..400usize).map(|n| (n % 20).abs_diff(10) < 6 && (n / 20).abs_diff(10) < 6).collect();
         let mut holed = Grid { size: [20, 20], inside: wide.clone() };
         holed.inside[10 * 20 + 10] = false;
         holed.inside[0] = true;

@@ -79,7 +79,9 @@ pub enum UnrollError {
         expected: [u32; 2],
     },
     /// A mask without a white area worth the name.
-    #[error("the {what} is empty: nothing in it is white and opaque; paint the inside white and all else black")]
+    #[error(
+        "the {what} is empty: nothing in it is white and opaque; paint the inside white and all else black"
+    )]
     EmptyMask {
         /// `mask` or `core mask`.
         what: &'static str,
@@ -103,7 +105,9 @@ pub enum UnrollError {
     #[error("the two ends of the axis are one point; give two")]
     PointAxis,
     /// A core that fills the outline.
-    #[error("only {0:.1} pixels lie between the core and the outline; at least 4 are needed: use a larger photograph or a smaller core")]
+    #[error(
+        "only {0:.1} pixels lie between the core and the outline; at least 4 are needed: use a larger photograph or a smaller core"
+    )]
     Shallow(f64),
     /// Lines that leave the outline on their way.
     #[error(

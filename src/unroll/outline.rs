@@ -11,7 +11,6 @@ pub(super) struct Outline {
     pub(super) curve: Vec<DVec2>,
 }
 
-
 /// The outline that a mask gives, or the photograph itself; `smooth` is a share of its radius.
 pub(super) fn find(
     photo: &Photograph,
@@ -63,7 +62,8 @@ fn curve(grid: &mask::Grid, photo: [u32; 2], smooth: f64) -> Option<Vec<DVec2>> 
     if curve.len() < 8 {
         return None;
     }
-    let scale = DVec2::new(f64::from(photo[0]) / grid.size[0] as f64, f64::from(photo[1]) / grid.size[1] as f64);
+    let scale =
+        DVec2::new(f64::from(photo[0]) / grid.size[0] as f64, f64::from(photo[1]) / grid.size[1] as f64);
     curve.iter_mut().for_each(|p| *p *= scale);
     Some(curve)
 }

@@ -171,8 +171,9 @@ mod tests {
 
     #[test]
     fn lines_in_a_disk_are_arcs_through_the_core() {
-        let circle: Vec<DVec2> =
-            (0..300).map(|n| DVec2::splat(100.0) + 80.0 * DVec2::from_angle(TAU * f64::from(n) / 300.0)).collect();
+        let circle: Vec<DVec2> = (0..300)
+            .map(|n| DVec2::splat(100.0) + 80.0 * DVec2::from_angle(TAU * f64::from(n) / 300.0))
+            .collect();
         let core = DVec2::new(124.0, 100.0);
         let potential = Potential::new(&circle, &Core::Point(core), &Exec::default()).unwrap();
         // Green's function of the unit disk: −ln|z−c| + ln|1−c̄z|; its gradient by finite differences.

@@ -49,7 +49,10 @@ fn rings_become_rows() {
     let done = run(&disk, CoreInput::Centroid, &UnrollParams::default());
     let report = &done.report;
     assert!((report.outline_length - TAU * 96.0).abs() < 3.0, "{report:?}");
-    assert!((report.depth_mean - 96.0).abs() < 1.5 && report.depth_max - report.depth_min < 1.0, "{report:?}");
+    assert!(
+        (report.depth_mean - 96.0).abs() < 1.5 && report.depth_max - report.depth_min < 1.0,
+        "{report:?}"
+    );
     assert!((report.core[0] - 0.48).abs() < 0.002 && (report.core[1] - 0.52).abs() < 0.002, "{report:?}");
     assert_eq!(done.photo.size()[0] as usize, report.width);
     assert!(report.width.abs_diff(603) < 4 && report.height.abs_diff(96) < 3, "{report:?}");
@@ -78,9 +81,11 @@ fn spokes_become_columns() {
 #[test]
 fn an_ellipse_and_a_core_beside_the_centre() {
     // Rings that grow from the core to the outline, each an ellipse.
-    for (half, shift) in
-        [(DVec2::new(0.42, 0.34), DVec2::ZERO), (DVec2::splat(0.4), DVec2::new(0.09, -0.03)), (DVec2::new(0.44, 0.36), DVec2::new(-0.05, 0.05))]
-    {
+    for (half, shift) in [
+        (DVec2::new(0.42, 0.34), DVec2::ZERO),
+        (DVec2::splat(0.4), DVec2::new(0.09, -0.03)),
+        (DVec2::new(0.44, 0.36), DVec2::new(-0.05, 0.05)),
+    ] {
         let core = DVec2::splat(0.5) + shift;
         // The ring of depth d: centre ½ + d·shift, half axes (1−d)·half; solved for d by bisection.
         let depth = |p: DVec2| {
@@ -180,7 +185,10 @@ fn lengthwise_cuts_run_along_their_axis() {
             let params = UnrollParams { side, ..sized(200, 40) };
             let done = run(&cut, core, &params);
             let report = &done.report;
-            assert!((report.core[0] - 0.28).abs() < 0.02 && (report.core[2] - 0.72).abs() < 0.02, "{report:?}");
+            assert!(
+                (report.core[0] - 0.28).abs() < 0.02 && (report.core[2] - 0.72).abs() < 0.02,
+                "{report:?}"
+            );
             let whole = 300.0 * (0.88 + TAU * 0.2);
             let length = if side == Side::Both { whole } else { 0.5 * whole };
             assert!((report.outline_length / length - 1.0).abs() < 0.03, "{report:?}");
@@ -188,7 +196,9 @@ fn lengthwise_cuts_run_along_their_axis() {
             let at = |x: u32| done.photo.pixel(x, 12);
             // With its first (left) end up, the upper side of the picture is on the right hand.
             match side {
-                Side::Both => assert!(at(40)[1] > 100 && at(160)[1] < 100 && at(10)[0] > 150 && at(100)[2] > 150),
+                Side::Both => {
+                    assert!(at(40)[1] > 100 && at(160)[1] < 100 && at(10)[0] > 150 && at(100)[2] > 150)
+                }
                 side => {
                     assert!(at(20)[0] > 150 && at(180)[2] > 150, "{side:?}");
                     assert_eq!(at(60)[1] > 100, side == Side::Right, "{side:?}");
