@@ -56,7 +56,9 @@ fn photograph(section: &Section) -> Vec<u8> {
             for x in 0..WIDE {
                 let mut sum = [0.0; 3];
                 for s in 0..SAMPLES * SAMPLES {
-                    let at = |n: u32, s: u32| (f64::from(n) + (f64::from(s) + 0.5) / f64::from(SAMPLES)) / f64::from(WIDE);
+                    let at = |n: u32, s: u32| {
+                        (f64::from(n) + (f64::from(s) + 0.5) / f64::from(SAMPLES)) / f64::from(WIDE)
+                    };
                     let c = section.colour(DVec2::new(at(x, s % SAMPLES), at(y, s / SAMPLES)));
                     (0..3).for_each(|n| sum[n] += c[n] / f64::from(SAMPLES * SAMPLES));
                 }
@@ -261,7 +263,11 @@ impl Section {
         // Clear cells: light in the middle, dark where they meet, a thread between some.
         let gap = second - distance;
         let glow = mix(flesh, srgb(243, 190, 164), 0.38 * step(1.0, 0.1, distance));
-        let meet = mix(srgb(92, 14, 30), srgb(236, 190, 176), step(-0.1, 0.4, self.noise(p, 26, 13)) * step(0.75, 0.35, depth));
+        let meet = mix(
+            srgb(92, 14, 30),
+            srgb(236, 190, 176),
+            step(-0.1, 0.4, self.noise(p, 26, 13)) * step(0.75, 0.35, depth),
+        );
         let body = mix(glow, meet, 0.62 * step(0.34, 0.03, gap));
         let body = mix(body, hollow, 0.75 * step(1.15, 1.7, distance));
         let body = match &cell.achene {
@@ -274,7 +280,11 @@ impl Section {
         let body = mix(body, srgb(255, 244, 236), 0.75 * shine);
         // In the middle a hollow that the drupelets do not fill.
         let open = depth + 0.05 * self.noise(p, 20, 14) + 0.03 * self.noise(p, 45, 15);
-        mix(body, mix(hollow, srgb(132, 40, 46), 0.4 + 0.5 * self.noise(p, 60, 16)), 0.85 * step(0.90, 0.97, open))
+        mix(
+            body,
+            mix(hollow, srgb(132, 40, 46), 0.4 + 0.5 * self.noise(p, 60, 16)),
+            0.85 * step(0.90, 0.97, open),
+        )
     }
 
     fn achene(&self, p: DVec2, (at, along, half): &(DVec2, DVec2, f64), under: Paint, tone: f64) -> Paint {
@@ -282,8 +292,16 @@ impl Section {
         let (u, v) = (d.dot(*along) / half, along.perp_dot(d) / half);
         // Round at one end, pointed at the other.
         let r = (u * u + (v / (0.74 - 0.16 * u.clamp(-1.0, 1.0))).powi(2)).sqrt();
-        let shade = mix(srgb(238, 208, 146), srgb(196, 146, 86), 0.5 + 0.5 * (0.8 * d.dot(DVec2::new(0.7, 0.7)) / half) + 0.3 * (tone - 0.5));
-        let shade = mix(shade, srgb(255, 246, 222), 0.7 * step(0.32, 0.05, (d / *half - DVec2::new(-0.25, -0.3)).length()));
+        let shade = mix(
+            srgb(238, 208, 146),
+            srgb(196, 146, 86),
+            0.5 + 0.5 * (0.8 * d.dot(DVec2::new(0.7, 0.7)) / half) + 0.3 * (tone - 0.5),
+        );
+        let shade = mix(
+            shade,
+            srgb(255, 246, 222),
+            0.7 * step(0.32, 0.05, (d / *half - DVec2::new(-0.25, -0.3)).length()),
+        );
         let rim = mix(under, srgb(96, 30, 28), 0.65 * step(1.35, 1.0, r));
         mix(rim, shade, step(1.06, 0.92, r))
     }
@@ -292,7 +310,8 @@ impl Section {
     fn lit(&self, p: DVec2, depth: f64, paint: Paint) -> Paint {
         let towards = (p - DVec2::splat(0.5)).dot(DVec2::new(-0.6, -0.8));
         let light = 0.93 + 0.26 * towards - 0.16 * step(0.03, 0.0, depth) + 0.05 * self.noise(p, 5, 17);
-        let sheen = 0.05 * step(0.35, 0.9, self.noise(p + DVec2::splat(0.2), 7, 18)) * step(0.05, 0.12, depth);
+        let sheen =
+            0.05 * step(0.35, 0.9, self.noise(p + DVec2::splat(0.2), 7, 18)) * step(0.05, 0.12, depth);
         paint.map(|c| (c * light + sheen).max(0.0))
     }
 

@@ -133,12 +133,13 @@ fn one(potential: &Potential, core: &Core, a: DVec2, b: DVec2) -> Vec<DVec2> {
     line
 }
 
-/// Whether a line leaves the outline: far from the core around a bend, the potential is nothing but rounding.
+/// Whether a line leaves the outline: far from the core around a bend, the potential is nothing but rounding. Where the
+/// outline is ragged, lines cut its corners; that is no harm.
 fn astray(polygon: &[DVec2], line: &[DVec2]) -> bool {
-    let last = line.len() - 1;
+    let side = polygon[0].distance(polygon[1]);
     (1..12).any(|n| {
-        let p = line[(n * last / 12).max(1)];
-        !contour::contains(polygon, p)
+        let p = line[n * (line.len() - 1) / 12];
+        !contour::contains(polygon, p) && contour::distance(polygon, p) > 2.0 * side
     })
 }
 

@@ -118,17 +118,24 @@ impl Grid {
         rows.chain((1..h - 1).flat_map(move |y| [y * w, y * w + w - 1]))
     }
 
-    /// The largest connected part, without holes; nothing where there is no part of at least 16 pixels.
+    /// The largest connected part, without holes; nothing where there is no part of at least 16 pixels. Holes are filled
+    /// first: a closed skin around pale flesh is larger than the dark seeds in it.
     fn solid(mut self) -> Option<Self> {
         let [w, h] = self.size;
+        let mut outside = vec![false; w * h];
+        flood(self.size, self.border(), |n| {
+            let fresh = !self.inside[n] && !outside[n];
+            outside[n] |= fresh;
+            fresh
+        });
         let mut label = vec![0u32; w * h];
         let mut best = (0, 0);
         let mut count = 0;
         for start in 0..w * h {
-            if self.inside[start] && label[start] == 0 {
+            if !outside[start] && label[start] == 0 {
                 count += 1;
                 let area = flood(self.size, [start], |n| {
-                    let fresh = self.inside[n] && label[n] == 0;
+                    let fresh = !outside[n] && label[n] == 0;
                     if fresh {
                         label[n] = count;
                     }
@@ -142,17 +149,7 @@ impl Grid {
         if best.0 < 16 {
             return None;
         }
-        // What the outside cannot reach is inside.
-        self.inside.fill(true);
-        let outside = &mut self.inside;
-        let border = Grid { size: self.size, inside: Vec::new() }.border();
-        flood(self.size, border, |n| {
-            let fresh = label[n] != best.1 && outside[n];
-            if fresh {
-                outside[n] = false;
-            }
-            fresh
-        });
+        self.inside = label.iter().map(|l| *l == best.1).collect();
         Some(self)
     }
 }
@@ -195,18 +192,13 @@ mod tests {
 
     #[test]
     fn the_largest_part_has_no_holes() {
-        let picture = ["........", ".####..#", ".#..#...", ".#..#..#", ".####..#", "........"];
-        let text: Vec<u8> = picture.concat().into_bytes();
-        let inside = text.iter().map(|&c| c == b'#').collect();
-        let grid = Grid { size: [8, 6], inside };
-        assert!(Grid { size: [8, 6], inside: grid.inside.iter().map(|i| !i).collect() }.solid().is_some());
-        // Twelve pixels are too few; with the hole they would be 16.
-        assert!(grid.solid().is_none());
-        let wide: Vec<bool> =
-            (0..400usize).map(|n| (n % 20).abs_diff(10) < 6 && (n / 20).abs_diff(10) < 6).collect();
-        let mut holed = Grid { size: [20, 20], inside: wide.clone() };
-        holed.inside[10 * 20 + 10] = false;
-        holed.inside[0] = true;
-        assert!(holed.solid().unwrap().inside == wide);
+        let square = |n: usize, half: usize| (n % 20).abs_diff(10) < half && (n / 20).abs_diff(10) < half;
+        let wanted: Vec<bool> = (0..400).map(|n| square(n, 7)).collect();
+        // A ring, a square in it that is larger, and a speck outside.
+        let inside = (0..400).map(|n| (square(n, 7) && !square(n, 6)) || square(n, 5) || n == 0).collect();
+        let grid = Grid { size: [20, 20], inside };
+        assert!(grid.solid().unwrap().inside == wanted);
+        let speck = Grid { size: [20, 20], inside: (0..400).map(|n| square(n, 2)).collect() };
+        assert!(speck.solid().is_none());
     }
 }

@@ -46,7 +46,7 @@ pub struct UnrollParams {
 
 impl Default for UnrollParams {
     fn default() -> Self {
-        Self { width: None, height: None, even_at: 0.25, smooth: 0.01, inset: 0.008, side: Side::Both }
+        Self { width: None, height: None, even_at: 0.25, smooth: 0.01, inset: 0.012, side: Side::Both }
     }
 }
 
