@@ -10,6 +10,7 @@
 //! | [`photo`] | [`photo::Photograph`] from files |
 //! | [`unroll`] | the photograph of a cut fruit straightened out |
 //! | [`volume`] | [`volume::SolidTexture`], [`volume::AlphaMask`] |
+//! | [`synthesis`] | [`volume::SolidTexture`] from photographs |
 //! | [`assess`] | how near a solid texture comes to its photographs |
 //! | [`field`] | depth, direction and scale over a tetrahedral mesh |
 //! | [`lap`] | [`lap::LappedSolid`]: the mesh filled with overlapping patches |
@@ -32,6 +33,7 @@ pub mod photo;
 pub mod project;
 pub mod render;
 pub mod solve;
+pub mod synthesis;
 pub mod unroll;
 pub mod view;
 pub mod volume;

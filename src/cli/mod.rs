@@ -12,6 +12,7 @@ mod photographs;
 mod progress;
 mod render;
 mod run;
+mod synthesise;
 mod tetrahedralise;
 mod unroll;
 mod values;
@@ -47,6 +48,9 @@ enum Command {
     /// Fills a mesh with tetrahedra
     #[command(alias = "tetrahedralize")]
     Tetrahedralise(tetrahedralise::Args),
+    /// Makes a solid texture of photographs
+    #[command(alias = "synthesize")]
+    Synthesise(synthesise::Args),
     /// Fills a mesh with a solid texture, without a project file
     Fill(fill::Args),
     /// Cuts a filled model along a stroke or a plane
@@ -132,6 +136,7 @@ fn dispatch(command: Command) -> Result<ExitCode, Failure> {
         Command::Unroll(args) => unroll::main(&args),
         Command::Assess(args) => assess::main(&args),
         Command::Tetrahedralise(args) => tetrahedralise::main(&args),
+        Command::Synthesise(args) => synthesise::main(&args),
         Command::Fill(args) => fill::main(args),
         Command::Cut(args) => cut::main(&args),
         Command::Render(args) => render::main(&args),

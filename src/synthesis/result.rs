@@ -44,6 +44,20 @@ pub struct Synthesis {
 }
 
 impl Synthesis {
+    /// The source map as an NPY file of 32-bit numbers \[z, y, x\], which `lapis assess` and NumPy read.
+    #[must_use]
+    pub fn source_npy(&self) -> Vec<u8> {
+        let [x, y, z] = self.texture.size();
+        let header = format!("{{'descr': '<u4', 'fortran_order': False, 'shape': ({z}, {y}, {x}), }}");
+        // The header ends in a newline, and the data begin at a multiple of 64 bytes.
+        let length = (10 + header.len() + 1).next_multiple_of(64) - 10;
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend_from_slice(&(length as u16).to_le_bytes());
+        bytes.extend_from_slice(format!("{header:<width$}\n", width = length - 1).as_bytes());
+        bytes.extend(self.source.iter().flat_map(|s| s.to_le_bytes()));
+        bytes
+    }
+
     /// Other channels, carried along: a volume in which each voxel has the value of `maps` where it is copied from.
     /// There must be one map for each photograph, of that photograph's original size: a height map, say, makes the
     /// displacement that belongs to the colours.
