@@ -38,10 +38,13 @@ pub(super) fn seams(texture: &SolidTexture) -> [Option<f64>; 3] {
             let step: u32 = (0..3).map(|k| u32::from(from[k].abs_diff(to[k]))).sum();
             if last { outer += u64::from(step) } else { inner += u64::from(step) }
         }
+        // Of the layers inside there are one fewer than voxels along the axis; of the seam there is one.
         let inner = inner as f64 / (size[a] - 1) as f64;
-            eprintln!("seam {a} {}", outer as f64 / inner);
-        }
-        Some(if inner == 0.0 { if outer == 0 { 1.0 } else { f64::INFINITY } } else { outer as f64 / inner })
+        Some(match (outer, inner == 0.0) {
+            (0, true) => 1.0,
+            (_, true) => f64::INFINITY,
+            _ => outer as f64 / inner,
+        })
     })
 }
 
