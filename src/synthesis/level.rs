@@ -130,11 +130,12 @@ impl Level {
             for (x, voxel) in line.iter_mut().enumerate() {
                 let list = match self.depths(self.lattice.position(row * nx + x)) {
                     Some((from, to)) => {
+                        // Where all is clear at a depth, the neighbourhoods above and below it will tell.
                         let from = pixels.partition_point(|&p| depth_at(p) < from);
                         let to = pixels.partition_point(|&p| depth_at(p) <= to);
-                        &pixels[from..to]
+                        if from < to { &pixels[from..to] } else { &pixels[..] }
                     }
-                    None => &pixels,
+                    None => &pixels[..],
                 };
                 *voxel = pick(&mut rng, list);
             }

@@ -31,6 +31,8 @@ mod result;
 mod run;
 mod search;
 mod similar;
+#[cfg(test)]
+mod tests;
 mod windows;
 
 pub use axes::{Axes, Axis};

@@ -13,13 +13,6 @@ use crate::exec::{Cancelled, Exec};
 /// proposals that differ by less.
 const SPREAD: f32 = 0.1;
 
-/// What a pass did.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Optimised {
-    /// Voxels that are copied from elsewhere now.
-    pub(super) changed: usize,
-}
-
 /// One pass over all voxels.
 pub(super) fn optimise(
     level: &Level,
@@ -27,10 +20,9 @@ pub(super) fn optimise(
     histogram: &mut Histogram,
     pass: &mut Pass<'_>,
     exec: &Exec,
-) -> Result<Optimised, Cancelled> {
+) -> Result<(), Cancelled> {
     let [nx, ..] = level.lattice.size;
     let mut found: Vec<Choice> = Vec::new();
-    let mut done = Optimised::default();
     let arch = pulp::Arch::new();
     for rows in chunks(&level.lattice, pass.number) {
         exec.check()?;
@@ -56,11 +48,10 @@ pub(super) fn optimise(
             }
             histogram.add(choice.place);
             state.source[start + n] = choice.place;
-            done.changed += 1;
         }
         pass.advance(rows.len());
     }
-    Ok(done)
+    Ok(())
 }
 
 /// What is best for a voxel.

@@ -114,7 +114,7 @@ impl SynthesisParams {
         let weight = f64::from(self.feature_weight);
         let all = [
             ("tolerance", self.tolerance, "0 to 1", (0.0..=1.0).contains(&self.tolerance)),
-            ("photo_size", photo_size.into(), "8 to 4096", (8..=MOST_PIXELS).contains(&photo_size)),
+            ("photo_size", photo_size.into(), "8 to 2048", (8..=MOST_PIXELS).contains(&photo_size)),
             ("levels", levels.into(), "1 to 8", (1..=8).contains(&levels)),
             ("feature_weight", weight, "0 to 100", (0.0..=100.0).contains(&weight)),
         ];
@@ -132,7 +132,7 @@ impl SynthesisParams {
 }
 
 /// The longest side of a photograph that synthesis works with.
-pub(super) const MOST_PIXELS: u32 = 4096;
+pub(super) const MOST_PIXELS: u32 = 2048;
 
 #[cfg(test)]
 mod tests {

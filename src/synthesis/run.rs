@@ -125,7 +125,7 @@ fn run(
         let depth = widths.len() - 1 - number;
         let plates = &pyramid[depth];
         let lattice = Lattice::new(sizes[depth], tiles);
-        let level = level(exemplars, params, plates, lattice, number, width, seed)?;
+        let level = level(exemplars, params, plates, lattice, number, width, seed, exec)?;
         exec.check()?;
         let (state, energy, position) = work(&level, before.take(), params, widths.len(), exec)?;
         report.energy.push(energy);
@@ -150,6 +150,7 @@ fn run(
     Err(SynthesisError::NoPhotograph)
 }
 
+#[allow(clippy::too_many_arguments)] // all that a level is made of
 /// Lays out a level, and sees that there is enough to copy from.
 fn level(
     exemplars: &Exemplars<'_>,
@@ -159,6 +160,7 @@ fn level(
     number: usize,
     width: usize,
     seed: u64,
+    exec: &Exec,
 ) -> Result<Level, SynthesisError> {
     let depths: Vec<Option<usize>> =
         (0..plates.len()).map(|n| depth_of(&exemplars.directions, params.varying, n)).collect();
@@ -176,9 +178,12 @@ fn level(
         let rows = lattice.size[axis.index()];
         (axis, Depth { rows, tolerance: (params.tolerance * rows as f64).round() as usize })
     });
+    let _stage = exec.stage("neighbourhoods of the photographs", 0);
     let atlas = Atlas::new(plates, &depths, params.feature_weight);
-    let windows: Vec<Windows> =
-        (0..plates.len()).map(|sheet| Windows::new(&atlas, sheet, width, depth.map(|d| d.1))).collect();
+    let windows: Vec<Windows> = (0..plates.len())
+        .map(|sheet| Windows::new(&atlas, sheet, width, depth.map(|d| d.1), exec.cancel_token()))
+        .collect();
+    exec.check()?;
     for (photo, found) in windows.iter().enumerate() {
         if found.all.len() < LEAST_WINDOWS {
             let size = plates[photo].size.map(|n| n as u32);

@@ -26,8 +26,6 @@ fn weight(distance: f32, pixels: usize) -> f32 {
 /// What a search did.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Searched {
-    /// Neighbourhoods that are now others.
-    pub(super) moved: usize,
     /// Σ |s − e|^γ over all that were looked at.
     pub(super) energy: f64,
     /// How many were looked at.
@@ -122,7 +120,6 @@ pub(super) fn search(
                         histogram.remove(old);
                         histogram.add(m.place);
                         state.index[a][start + x] = m.place;
-                        done.moved += 1;
                     }
                 }
             }

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::atlas::NOWHERE;
 use super::basis::{DIMENSIONS, Descriptor};
 use super::windows::SIMILAR;
+use crate::exec::CancelToken;
 
 /// How many candidates on either side are looked at, at most: this keeps the time linear. Where there are more, a set
 /// holds most of its neighbourhood's nearest, which is all that the search asks of it.
@@ -25,6 +26,7 @@ pub(super) fn similar(
     depth: impl Fn(usize) -> u16 + Sync,
     tolerance: usize,
     apart: usize,
+    cancel: &CancelToken,
 ) -> Vec<[u32; SIMILAR - 1]> {
     let mut order: Vec<u32> = (0..places.len() as u32).collect();
     order.sort_by(|&a, &b| {
@@ -37,7 +39,12 @@ pub(super) fn similar(
     };
     let sorted: Vec<Entry> = order.iter().map(entry).collect();
     let arch = pulp::Arch::new();
-    let find = |rank: usize| arch.dispatch(Find { sorted: &sorted, rank, tolerance, apart });
+    let find = |rank: usize| {
+        if cancel.is_cancelled() {
+            return [NOWHERE; SIMILAR - 1];
+        }
+        arch.dispatch(Find { sorted: &sorted, rank, tolerance, apart })
+    };
     let sets: Vec<[u32; SIMILAR - 1]> = (0..sorted.len()).into_par_iter().map(find).collect();
     let mut by_place = vec![[NOWHERE; SIMILAR - 1]; places.len()];
     for (&n, set) in order.iter().zip(sets) {
@@ -169,7 +176,7 @@ mod tests {
         let all: Vec<Descriptor> = (0..side * side).map(look).collect();
         let places: Vec<u32> = (100..100 + (side * side) as u32).collect();
         let pixel = |n: usize| [n % side, n / side];
-        let sets = similar(&places, &all, pixel, |n| (n / side) as u16, 5, 2);
+        let sets = similar(&places, &all, pixel, |n| (n / side) as u16, 5, 2, &CancelToken::default());
         for n in 0..all.len() {
             let near = |a: usize, b: usize| {
                 let (a, b) = (pixel(a), pixel(b));
@@ -191,7 +198,8 @@ mod tests {
     #[test]
     fn one_colour_comes_to_an_end() {
         let places: Vec<u32> = (0..900).collect();
-        let sets = similar(&places, &vec![[0.5; DIMENSIONS]; 900], |n| [n % 30, n / 30], |_| 0, 0, 2);
+        let look = vec![[0.5; DIMENSIONS]; 900];
+        let sets = similar(&places, &look, |n| [n % 30, n / 30], |_| 0, 0, 2, &CancelToken::default());
         assert!(sets.iter().all(|s| s[0] != NOWHERE));
     }
 }

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::atlas::{Atlas, NOWHERE};
 use super::basis::{Basis, DIMENSIONS, Descriptor};
 use super::similar::{similar, squares};
+use crate::exec::CancelToken;
 
 const HEAD: usize = 8;
 type Head = [f32; HEAD];
@@ -44,8 +45,14 @@ pub(super) struct Depth {
 }
 
 impl Windows {
-    /// The neighbourhoods of photograph `sheet`.
-    pub(super) fn new(atlas: &Atlas, sheet: usize, width: usize, depth: Option<Depth>) -> Self {
+    /// The neighbourhoods of photograph `sheet`. A run that was asked to stop gives some of them wrong.
+    pub(super) fn new(
+        atlas: &Atlas,
+        sheet: usize,
+        width: usize,
+        depth: Option<Depth>,
+        cancel: &CancelToken,
+    ) -> Self {
         let on = atlas.sheets[sheet];
         let half = width / 2;
         let offsets = offsets(width, on.stride);
@@ -86,7 +93,7 @@ impl Windows {
         let end = on.place(on.size[0] - 1, on.size[1] - 1) as usize + 1;
         let depth_of = |n: usize| if depth.is_some() { atlas.depth[all[n] as usize] } else { 0 };
         let tolerance = depth.map_or(0, |d| d.tolerance);
-        let sets = similar(&all, &found, |n| on.pixel(all[n]), depth_of, tolerance, half);
+        let sets = similar(&all, &found, |n| on.pixel(all[n]), depth_of, tolerance, half, cancel);
         let mut windows = Self {
             basis,
             depth_start,
