@@ -170,11 +170,14 @@ impl Level {
     pub(super) fn refined_state(&self, coarse: &Self, state: &State) -> State {
         let mut index = [const { Vec::new() }; 3];
         let mut weight = [const { Vec::new() }; 3];
+        // Where the volume wraps, the first and the last layer lie in one coarse layer: two that meet there must fit
+        // no worse than others.
+        let phase = self.lattice.tiles.map(usize::from);
         for (axis, sheet) in self.directions() {
             let (right, down) = (axis.right().index(), axis.down().index());
             let from = &state.index[axis.index()];
             let parent = |at: [usize; 3]| {
-                let mut parent = at.map(|c| c / 2);
+                let mut parent = [0, 1, 2].map(|a| (at[a] + phase[a]) / 2);
                 // Beyond the last neighbourhood that fits, the nearest one goes on.
                 let half = coarse.width / 2;
                 for a in [right, down] {
@@ -184,9 +187,10 @@ impl Level {
                 }
                 parent
             };
-            let number = |[x, y, z]: [usize; 3]| {
-                let [nx, ny, _] = coarse.lattice.size;
-                (z * ny + y) * nx + x
+            let number = |parent: [usize; 3]| {
+                let size = coarse.lattice.size;
+                let [x, y, z] = [0, 1, 2].map(|a| parent[a] % size[a]);
+                (z * size[1] + y) * size[0] + x
             };
             // Both layers of voxels within one coarse layer would get the same neighbourhoods, and the volume would stay
             // a pile of doubled slices. Every other layer gets those a pixel aside: as a layer it is as coherent.
@@ -196,14 +200,14 @@ impl Level {
             let aside: Vec<[isize; 2]> = layers
                 .map(|layer| {
                     let step = steps[(rng.next_u32() % steps.len() as u32) as usize];
-                    if layer % 2 == 1 { step } else { [0, 0] }
+                    if (layer + phase[axis.index()]) % 2 == 1 { step } else { [0, 0] }
                 })
                 .collect();
             let find = |at: [usize; 3], rng: &mut ChaCha8Rng| {
                 let parent = parent(at);
                 let place = from[number(parent)];
                 let [px, py] = coarse.atlas.sheets[sheet].pixel(place);
-                let child = |p: usize, a: usize| (2 * p + at[a]) as isize - 2 * parent[a] as isize;
+                let child = |p: usize, a: usize| (2 * p + at[a] + phase[a]) as isize - 2 * parent[a] as isize;
                 let [x, y] = aside[at[axis.index()]];
                 self.nearest(sheet, [child(px, right) + x, child(py, down) + y], at, rng)
             };
