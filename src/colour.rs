@@ -56,9 +56,33 @@ pub fn encode(c: LinearRgba) -> [u8; 4] {
     [srgb_from_linear(c[0]), srgb_from_linear(c[1]), srgb_from_linear(c[2]), byte(c[3])]
 }
 
+/// Oklab of linear light (Ottosson 2020): lightness 0 to 1, green-red, blue-yellow. Distances in it are about as people
+/// see them: 0.02 is just seen.
+#[must_use]
+pub fn oklab(c: LinearRgba) -> [f32; 3] {
+    let [r, g, b, _] = c;
+    let l = (0.412_221_46 * r + 0.536_332_55 * g + 0.051_445_995 * b).cbrt();
+    let m = (0.211_903_5 * r + 0.680_699_5 * g + 0.107_396_96 * b).cbrt();
+    let s = (0.088_302_46 * r + 0.281_718_85 * g + 0.629_978_7 * b).cbrt();
+    [
+        0.210_454_26 * l + 0.793_617_8 * m - 0.004_072_047 * s,
+        1.977_998_5 * l - 2.428_592_2 * m + 0.450_593_7 * s,
+        0.025_904_037 * l + 0.782_771_77 * m - 0.808_675_77 * s,
+    ]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn oklab_of_known_colours() {
+        let near = |a: [f32; 3], b: [f32; 3]| (0..3).all(|n| (a[n] - b[n]).abs() < 2e-3);
+        assert!(near(oklab([1.0, 1.0, 1.0, 1.0]), [1.0, 0.0, 0.0]));
+        assert!(near(oklab([1.0, 0.0, 0.0, 1.0]), [0.628, 0.225, 0.126]));
+        assert!(near(oklab([0.0, 0.0, 1.0, 1.0]), [0.452, -0.032, -0.312]));
+        assert!(near(oklab([0.0; 4]), [0.0; 3]));
+    }
 
     #[test]
     fn every_byte_survives_the_round_trip() {

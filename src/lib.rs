@@ -7,7 +7,11 @@
 //! | [`exec`], [`files`], [`colour`], [`solve`] | progress and cancelling, whole-or-not-at-all files, sRGB, sparse solves |
 //! | [`view`] | cameras and strokes on their screen |
 //! | [`mesh`] | [`mesh::TriMesh`] from files, [`mesh::TetMesh`] from it |
+//! | [`photo`] | [`photo::Photograph`] from files |
+//! | [`unroll`] | the photograph of a cut fruit straightened out |
 //! | [`volume`] | [`volume::SolidTexture`], [`volume::AlphaMask`] |
+//! | [`synthesis`] | [`volume::SolidTexture`] from photographs |
+//! | [`assess`] | how near a solid texture comes to its photographs |
 //! | [`field`] | depth, direction and scale over a tetrahedral mesh |
 //! | [`lap`] | [`lap::LappedSolid`]: the mesh filled with overlapping patches |
 //! | [`cut`] | pieces, each a whole lapped solid |
@@ -15,6 +19,7 @@
 //! | [`paint`] | what was painted over pictures, in space |
 //! | [`project`] | the TOML file that names all inputs, and its run |
 
+pub mod assess;
 pub mod colour;
 pub mod cut;
 pub mod exec;
@@ -24,8 +29,11 @@ pub mod files;
 pub mod lap;
 pub mod mesh;
 pub mod paint;
+pub mod photo;
 pub mod project;
 pub mod render;
 pub mod solve;
+pub mod synthesis;
+pub mod unroll;
 pub mod view;
 pub mod volume;

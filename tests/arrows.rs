@@ -4,9 +4,25 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms, from left to right. Rooms of one group do not use each other, but for the order below.
-const ROOMS: [&str; 14] = [
-    "exec", "files", "colour", "solve", "view", "mesh", "volume", "field", "lap", "cut", "render", "export",
-    "paint", "project",
+const ROOMS: [&str; 18] = [
+    "exec",
+    "files",
+    "colour",
+    "photo",
+    "solve",
+    "unroll",
+    "view",
+    "mesh",
+    "volume",
+    "synthesis",
+    "assess",
+    "field",
+    "lap",
+    "cut",
+    "render",
+    "export",
+    "paint",
+    "project",
 ];
 /// How many of them stand at the very left: they use each other not at all.
 const GROUND: usize = 3;

@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand, each of them thin.
 
+mod assess;
 mod cut;
 mod export;
 mod failure;
@@ -7,10 +8,13 @@ mod fill;
 mod info;
 mod new;
 mod options;
+mod photographs;
 mod progress;
 mod render;
 mod run;
+mod synthesise;
 mod tetrahedralise;
+mod unroll;
 mod values;
 
 use std::io::Write;
@@ -37,9 +41,16 @@ enum Command {
     New(new::Args),
     /// Does all that a project file asks for: fill, cut, render, export
     Run(run::Args),
+    /// Straightens out the photograph of a cut fruit, vegetable or trunk: depth × circumference or depth × length
+    Unroll(unroll::Args),
+    /// Says how near a solid texture comes to the photographs that it was made from
+    Assess(assess::Args),
     /// Fills a mesh with tetrahedra
     #[command(alias = "tetrahedralize")]
     Tetrahedralise(tetrahedralise::Args),
+    /// Makes a solid texture of photographs
+    #[command(alias = "synthesize")]
+    Synthesise(synthesise::Args),
     /// Fills a mesh with a solid texture, without a project file
     Fill(fill::Args),
     /// Cuts a filled model along a stroke or a plane
@@ -122,7 +133,10 @@ fn dispatch(command: Command) -> Result<ExitCode, Failure> {
     match command {
         Command::New(args) => new::main(&args),
         Command::Run(args) => run::main(&args),
+        Command::Unroll(args) => unroll::main(&args),
+        Command::Assess(args) => assess::main(&args),
         Command::Tetrahedralise(args) => tetrahedralise::main(&args),
+        Command::Synthesise(args) => synthesise::main(&args),
         Command::Fill(args) => fill::main(args),
         Command::Cut(args) => cut::main(&args),
         Command::Render(args) => render::main(&args),

@@ -58,6 +58,22 @@ pub(crate) fn polyline(text: &str) -> Result<Polyline, String> {
     Ok(Polyline(all.chunks_exact(3).map(DVec3::from_slice).collect()))
 }
 
+/// `x,y`
+pub(crate) fn point(text: &str) -> Result<[f64; 2], String> {
+    match numbers(text)?[..] {
+        [x, y] => Ok([x, y]),
+        ref other => Err(format!("two numbers X,Y are needed, here are {}", other.len())),
+    }
+}
+
+/// `x1,y1,x2,y2`: the two ends of a segment.
+pub(crate) fn segment(text: &str) -> Result<[[f64; 2]; 2], String> {
+    match numbers(text)?[..] {
+        [x1, y1, x2, y2] => Ok([[x1, y1], [x2, y2]]),
+        ref other => Err(format!("four numbers X1,Y1,X2,Y2 are needed, here are {}", other.len())),
+    }
+}
+
 /// A length: more than 0.
 pub(crate) fn length(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
@@ -94,5 +110,8 @@ mod tests {
         assert!(plane("0,0,1").is_err());
         assert_eq!(polyline("0,0,-1,0,0,1").unwrap().0.len(), 2);
         assert!(polyline("0,0,-1,0").is_err());
+        assert_eq!(point("0.5,-1"), Ok([0.5, -1.0]));
+        assert_eq!(segment("0,1,2,3"), Ok([[0.0, 1.0], [2.0, 3.0]]));
+        assert!(point("1").is_err() && segment("1,2,3").is_err());
     }
 }

@@ -6,6 +6,7 @@
 mod conjugate;
 mod dense;
 mod dissection;
+mod symmetric;
 
 pub(crate) use conjugate::{IterationError, add, conjugate_gradients};
 pub use dense::solve_dense_spd;
@@ -17,6 +18,7 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Conj, MatMut, Par, Side};
+pub use symmetric::symmetric_eigen;
 
 /// Why a system could not be solved.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
