@@ -80,7 +80,7 @@ pub struct AssessParams {
 
 impl Default for AssessParams {
     fn default() -> Self {
-        Self { samples: 16_384, photo_size: None }
+        Self { samples: 8192, photo_size: None }
     }
 }
 
