@@ -104,7 +104,9 @@ impl Whitening {
             // Eigenvalues rise: the last vector is the first axis.
             let n = numbers - 1 - k;
             let scale = 1.0 / values[n].max(LEAST_VARIANCE).sqrt();
-            (0..numbers).for_each(|j| axes[j][k] = (scale * vectors[(j, n)]) as f32);
+            axes.iter_mut()
+                .enumerate()
+                .for_each(|(j, weights)| weights[k] = (scale * vectors[(j, n)]) as f32);
         }
         Ok(Self { numbers, mean: mean.iter().map(|m| *m as f32).collect(), axes })
     }
