@@ -146,7 +146,7 @@ impl Section {
         for _ in 0..40_000 {
             let at = DVec2::new(dice.between(0.0, 1.0), dice.between(0.0, 1.0));
             let (depth, inwards) = section.depth(at);
-            if depth < PULP + 0.01 || depth > 0.93 {
+            if !(PULP + 0.01..=0.93).contains(&depth) {
                 continue;
             }
             // Smaller towards the core.

@@ -2,7 +2,7 @@
 
 use super::patches::{self, Dice, NUMBERS};
 use super::plate::Plate;
-use super::sliced::{Whitening, directions, sliced_wasserstein};
+use super::sliced::{AXES, Projected, Whitening, directions};
 use super::slices::{self, Block, Blurred, Extruded};
 use super::{AssessError, AssessParams, Assessment, Controls, Directions, LEVELS, PerAxis, simple};
 use crate::exec::Exec;
@@ -15,11 +15,26 @@ const OTHER: u64 = 2;
 const PLACES: u64 = 3;
 const RAYS: u64 = 4;
 
-/// A photograph at one level: its patches along their own principal axes.
+/// A photograph at one level: its patches along their own principal axes, projected on all directions.
 struct Level {
     whitening: Whitening,
-    patches: Vec<f32>,
     rays: Vec<f32>,
+    own: Projected,
+}
+
+impl Level {
+    fn new(own: &[f32], seed: u64) -> Result<Self, AssessError> {
+        let whitening = Whitening::of(own, NUMBERS)?;
+        let rays = directions(AXES, &mut Dice::new(seed, RAYS));
+        let own = Projected::new(&whitening.apply(own), AXES, &rays);
+        Ok(Self { whitening, rays, own })
+    }
+
+    /// Patches of pictures, seen in the same way.
+    fn project(&self, pictures: &[Plate], count: usize, dice: &mut Dice) -> Option<Projected> {
+        let patches = patches::draw(pictures, count, dice)?;
+        Some(Projected::new(&self.whitening.apply(&patches), AXES, &self.rays))
+    }
 }
 
 /// A photograph, ready to be compared with.
@@ -230,23 +245,19 @@ impl Reference {
             else {
                 break;
             };
-            let whitening = Whitening::of(&own, NUMBERS)?;
-            let rays = directions(whitening.dimensions(), &mut Dice::new(seed, RAYS));
+            let level = Level::new(&own, seed)?;
             let between = |a: &[Plate], b: &[Plate]| {
-                let a = patches::draw(a, count, &mut Dice::new(seed, PHOTO))?;
-                let b = patches::draw(b, count, &mut Dice::new(seed, OTHER))?;
-                let (a, b) = (whitening.apply(&a), whitening.apply(&b));
-                Some(sliced_wasserstein(&a, &b, whitening.dimensions(), &rays))
+                let a = level.project(a, count, &mut Dice::new(seed, PHOTO))?;
+                Some(a.distance(&level.project(b, count, &mut Dice::new(seed, OTHER))?))
             };
             let least = |a: Option<f64>, b: Option<f64>| a.into_iter().chain(b).reduce(f64::min);
             let [across, down] = &ways;
             let floor = least(between(&across.0[n], &across.1[n]), between(&down.0[n], &down.1[n]));
             let oblique = least(between(&across.2[n], &across.1[n]), between(&down.2[n], &down.1[n]));
             let (Some(floor), Some(oblique)) = (floor, oblique) else { break };
-            let patches = whitening.apply(&own);
             reference.floor.push(floor);
             reference.oblique_floor.push(oblique);
-            reference.levels.push(Level { whitening, patches, rays });
+            reference.levels.push(level);
         }
         Ok(if reference.levels.is_empty() { None } else { Some(reference) })
     }
@@ -254,9 +265,7 @@ impl Reference {
     /// The distance of pictures from the photograph at each level at which both have patches.
     fn distances(&self, plates: &[Plate], count: usize, seed: u64) -> Vec<f64> {
         let distance = |(level, plates): (&Level, Vec<Plate>)| {
-            let patches = patches::draw(&plates, count, &mut Dice::new(seed, OTHER))?;
-            let white = level.whitening.apply(&patches);
-            Some(sliced_wasserstein(&level.patches, &white, level.whitening.dimensions(), &level.rays))
+            Some(level.own.distance(&level.project(&plates, count, &mut Dice::new(seed, OTHER))?))
         };
         self.levels.iter().zip(pyramids(plates)).map_while(distance).collect()
     }

@@ -48,7 +48,7 @@ pub enum AssessError {
     NoPhotograph,
     /// A photograph without room for patches.
     #[error(
-        "the photograph perpendicular to {axis} has {}×{} pixels; at least 14 opaque ones on each side are needed: two halves of \
+        "the photograph perpendicular to {axis} has {}×{} pixels; at least 7×14 opaque ones are needed: two halves that hold \
          patches of 7×7", .size[0], .size[1]
     )]
     SmallPhotograph {
@@ -80,7 +80,7 @@ pub struct AssessParams {
 
 impl Default for AssessParams {
     fn default() -> Self {
-        Self { samples: 16_384, photo_size: None }
+        Self { samples: 8192, photo_size: None }
     }
 }
 

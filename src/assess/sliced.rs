@@ -14,43 +14,68 @@ pub(super) const DIRECTIONS: usize = 128;
 /// of 8 bits know no smaller differences.
 const LEAST_VARIANCE: f64 = 1e-6;
 
-/// Unit vectors, drawn evenly: `dimensions` numbers for each of [`DIRECTIONS`].
+/// Unit vectors, drawn evenly, [`DIRECTIONS`] of them: for each of `dimensions` the components of all.
 pub(super) fn directions(dimensions: usize, dice: &mut Dice) -> Vec<f32> {
-    let mut all = Vec::with_capacity(DIRECTIONS * dimensions);
-    for _ in 0..DIRECTIONS {
+    let mut all = vec![0.0; DIRECTIONS * dimensions];
+    for n in 0..DIRECTIONS {
         let v: Vec<f64> = (0..dimensions).map(|_| dice.normal()).collect();
         let length = v.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-300);
-        all.extend(v.iter().map(|x| (x / length) as f32));
+        v.iter().enumerate().for_each(|(k, x)| all[k * DIRECTIONS + n] = (x / length) as f32);
     }
     all
 }
 
-/// The mean over all directions of the Wasserstein distance W₁ between the clouds' projections: the mean distance
-/// between them in order. Both clouds have the same number of points.
+/// A cloud of points projected on every direction, in order.
+pub(super) struct Projected(Vec<Vec<f32>>);
+
+impl Projected {
+    /// Of a cloud of points of `dimensions` numbers.
+    pub(super) fn new(cloud: &[f32], dimensions: usize, directions: &[f32]) -> Self {
+        // All directions of a part of the cloud at a time: they lie side by side in memory.
+        let parts: Vec<Vec<[f32; DIRECTIONS]>> = cloud
+            .par_chunks(dimensions * 512)
+            .map(|part| {
+                let project = |point: &[f32]| {
+                    let mut sums = [0.0; DIRECTIONS];
+                    for (x, components) in point.iter().zip(directions.as_chunks::<DIRECTIONS>().0) {
+                        sums.iter_mut().zip(components).for_each(|(sum, d)| *sum += x * d);
+                    }
+                    sums
+                };
+                part.chunks_exact(dimensions).map(project).collect()
+            })
+            .collect();
+        let sorted = |n: usize| {
+            let mut all: Vec<f32> = parts.iter().flatten().map(|sums| sums[n]).collect();
+            all.sort_unstable_by(f32::total_cmp);
+            all
+        };
+        Self((0..DIRECTIONS).into_par_iter().map(sorted).collect())
+    }
+
+    /// The sliced Wasserstein distance: the mean over all directions of the distance W₁ between the clouds' projections,
+    /// which is the mean distance between them in order. Both clouds have the same number of points.
+    pub(super) fn distance(&self, other: &Self) -> f64 {
+        let each = self.0.iter().zip(&other.0).map(|(a, b)| {
+            assert_eq!(a.len(), b.len(), "clouds of different sizes");
+            a.iter().zip(b).map(|(x, y)| f64::from((x - y).abs())).sum::<f64>() / a.len().max(1) as f64
+        });
+        each.sum::<f64>() / DIRECTIONS as f64
+    }
+}
+
+/// [`Projected::distance`] of two clouds.
 pub(super) fn sliced_wasserstein(a: &[f32], b: &[f32], dimensions: usize, directions: &[f32]) -> f64 {
-    assert_eq!(a.len(), b.len(), "clouds of different sizes");
-    let project = |cloud: &[f32], direction: &[f32]| {
-        let dot = |p: &[f32]| p.iter().zip(direction).map(|(x, d)| x * d).sum::<f32>();
-        let mut all: Vec<f32> = cloud.chunks_exact(dimensions).map(dot).collect();
-        all.sort_unstable_by(f32::total_cmp);
-        all
-    };
-    let each: Vec<f64> = directions
-        .par_chunks_exact(dimensions)
-        .map(|direction| {
-            let (a, b) = (project(a, direction), project(b, direction));
-            a.iter().zip(&b).map(|(x, y)| f64::from((x - y).abs())).sum::<f64>() / a.len().max(1) as f64
-        })
-        .collect();
-    each.iter().sum::<f64>() / each.len().max(1) as f64
+    let project = |cloud| Projected::new(cloud, dimensions, directions);
+    project(a).distance(&project(b))
 }
 
 /// The first principal axes of a cloud, each at unit variance.
 pub(super) struct Whitening {
     numbers: usize,
     mean: Vec<f32>,
-    /// For each axis `numbers` weights.
-    axes: Vec<f32>,
+    /// For each of the numbers its weights along all axes.
+    axes: Vec<[f32; AXES]>,
 }
 
 impl Whitening {
@@ -74,30 +99,31 @@ impl Whitening {
             Par::Seq,
         );
         let (values, vectors) = symmetric_eigen(&covariance)?;
-        let mut axes = Vec::new();
-        for n in (numbers - AXES.min(numbers)..numbers).rev() {
+        let mut axes = vec![[0.0; AXES]; numbers];
+        for k in 0..AXES.min(numbers) {
+            // Eigenvalues rise: the last vector is the first axis.
+            let n = numbers - 1 - k;
             let scale = 1.0 / values[n].max(LEAST_VARIANCE).sqrt();
-            axes.extend((0..numbers).map(|j| (scale * vectors[(j, n)]) as f32));
+            axes.iter_mut()
+                .enumerate()
+                .for_each(|(j, weights)| weights[k] = (scale * vectors[(j, n)]) as f32);
         }
         Ok(Self { numbers, mean: mean.iter().map(|m| *m as f32).collect(), axes })
     }
 
-    /// Axes that there are.
-    pub(super) fn dimensions(&self) -> usize {
-        self.axes.len() / self.numbers
-    }
-
-    /// A cloud along the axes: [`Whitening::dimensions`] numbers for each point.
+    /// A cloud along the axes: [`AXES`] numbers for each point, the last of them 0 where there are fewer axes.
     pub(super) fn apply(&self, cloud: &[f32]) -> Vec<f32> {
         let each: Vec<Vec<f32>> = cloud
-            .par_chunks(self.numbers * 256)
+            .par_chunks(self.numbers * 512)
             .map(|part| {
-                let mut out = Vec::new();
+                let mut out = Vec::with_capacity(part.len() / self.numbers * AXES);
                 for point in part.chunks_exact(self.numbers) {
-                    let centred: Vec<f32> = point.iter().zip(&self.mean).map(|(x, m)| x - m).collect();
-                    for axis in self.axes.chunks_exact(self.numbers) {
-                        out.push(centred.iter().zip(axis).map(|(x, a)| x * a).sum());
+                    let mut sums = [0.0; AXES];
+                    for ((x, mean), axes) in point.iter().zip(&self.mean).zip(&self.axes) {
+                        let centred = x - mean;
+                        sums.iter_mut().zip(axes).for_each(|(sum, a)| *sum += centred * a);
                     }
+                    out.extend_from_slice(&sums);
                 }
                 out
             })
@@ -127,11 +153,10 @@ mod tests {
         let found = sliced_wasserstein(&a, &b, 3, &directions);
         assert!((found - 0.5).abs() < 0.05, "{found}");
         // For these directions, to the clouds' own noise.
-        let exact = directions
-            .chunks_exact(3)
-            .map(|d| d.iter().zip(shift).map(|(d, s)| f64::from(*d) * s).sum::<f64>().abs())
-            .sum::<f64>()
-            / DIRECTIONS as f64;
+        let along = |n: usize| {
+            (0..3).map(|k| f64::from(directions[k * DIRECTIONS + n]) * shift[k]).sum::<f64>().abs()
+        };
+        let exact = (0..DIRECTIONS).map(along).sum::<f64>() / DIRECTIONS as f64;
         assert!((found - exact).abs() < 0.02, "{found} {exact}");
         assert_eq!(sliced_wasserstein(&a, &a, 3, &directions), 0.0);
         let mut backwards: Vec<f32> = a.chunks_exact(3).rev().flatten().copied().collect();
@@ -142,7 +167,7 @@ mod tests {
 
     #[test]
     fn one_dimension_is_the_plain_distance() {
-        let d = sliced_wasserstein(&[0.0, 1.0, 5.0], &[6.0, 1.0, 1.0], 1, &[1.0]);
+        let d = sliced_wasserstein(&[0.0, 1.0, 5.0], &[6.0, 1.0, 1.0], 1, &[1.0; DIRECTIONS]);
         assert!((d - 2.0 / 3.0).abs() < 1e-6);
     }
 
@@ -150,11 +175,10 @@ mod tests {
     fn whitening_makes_all_variances_one() {
         let cloud = gaussian(20_000, &[5.0, 0.1, 1.0], &[3.0, 2.0, 1.0], 4);
         let whitening = Whitening::of(&cloud, 3).unwrap();
-        assert_eq!(whitening.dimensions(), 3);
         let white = whitening.apply(&cloud);
         for i in 0..3 {
             for j in 0..3 {
-                let moment = white.chunks_exact(3).map(|p| f64::from(p[i] * p[j])).sum::<f64>() / 20_000.0;
+                let moment = white.chunks_exact(AXES).map(|p| f64::from(p[i] * p[j])).sum::<f64>() / 20_000.0;
                 assert!((moment - f64::from(u8::from(i == j))).abs() < 1e-3, "{i} {j}: {moment}");
             }
         }

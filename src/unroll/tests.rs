@@ -16,7 +16,7 @@ fn photo(side: u32, paint: impl Fn(DVec2) -> Option<[u8; 3]>) -> Photograph {
 
 /// Depth as grey levels from 40 to 200, so that a wrong row shows.
 fn grey(depth: f64) -> Option<[u8; 3]> {
-    (0.0..=1.0).contains(&depth).then(|| [(40.0 + 160.0 * depth) as u8; 3])
+    (0.0..=1.0).contains(&depth).then_some([(40.0 + 160.0 * depth) as u8; 3])
 }
 
 fn run(photo: &Photograph, core: CoreInput<'_>, params: &UnrollParams) -> Unrolled {
@@ -197,7 +197,7 @@ fn lengthwise_cuts_run_along_their_axis() {
             // With its first (left) end up, the upper side of the picture is on the right hand.
             match side {
                 Side::Both => {
-                    assert!(at(40)[1] > 100 && at(160)[1] < 100 && at(10)[0] > 150 && at(100)[2] > 150)
+                    assert!(at(40)[1] > 100 && at(160)[1] < 100 && at(10)[0] > 150 && at(100)[2] > 150);
                 }
                 side => {
                     assert!(at(20)[0] > 150 && at(180)[2] > 150, "{side:?}");
