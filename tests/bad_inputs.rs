@@ -358,6 +358,8 @@ fn paint() {
         (fill("at = [1, 0, 0]\nangle_deg = 0"), vec!["depth.fill[0].angle_deg = 0", "degrees"]),
         (fill("at = [1, 0, 0]\nfrom = [1, 0, 0]"), vec!["depth.fill[0]", "`from`"]),
         (direction("points = [[0.6, 0, 0], [0.9, 0, 0]]"), vec!["direction.stroke[1]", "gradient", "layer"]),
+        // Also where it leaves the model.
+        (direction("points = [[0.5, 0, 0], [1.6, 0, 0]]"), vec!["direction.stroke[1]", "gradient", "layer"]),
         (
             direction(&format!("{screen}\nlayer = 0.1")),
             vec!["direction.stroke[1]", "layer of depth 0.1 is empty", "0.2"],

@@ -32,6 +32,11 @@ fn kiwi() {
 }
 
 #[test]
+fn carrot() {
+    fills("carrot", 2313.0);
+}
+
+#[test]
 fn tube() {
     fills("tube", 1089.0);
 }

@@ -40,8 +40,10 @@ pub(super) fn pieces(
     };
     let mut pieces: Vec<(f64, LappedSolid)> =
         outlines.into_par_iter().map(build).collect::<Result<_, CutError>>()?;
-    // A stable sort: of equal volumes, that with the first tetrahedron comes first.
-    pieces.sort_by(|a, b| b.0.total_cmp(&a.0));
+    // A stable sort: of volumes that are equal to nine digits of the whole, that with the first tetrahedron comes first,
+    // so that rounding does not decide which of two halves it is.
+    let whole: f64 = pieces.iter().map(|p| p.0).sum();
+    pieces.sort_by_key(|(volume, _)| std::cmp::Reverse((volume / whole * 1e9).round() as i64));
     count(solid, divided, &pieces, report);
     Ok(pieces.into_iter().map(|(_, piece)| piece).collect())
 }

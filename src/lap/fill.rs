@@ -236,6 +236,7 @@ pub fn fill(
         let stacks = stack(&mesh, &masks, &tables, &lapped.pasted, exec)?;
         let frame = frames.at_vertices(&mesh);
         let depth = fields.depth.clone().unwrap_or_else(|| vec![0.0; mesh.vertices.len()]);
+        let texture = followed(texture, kind);
         let (solid, hidden) = assemble(mesh, depth, frame, masks, texture, &lapped.pasted, &stacks);
         let mut measures = FillMeasures::new(&solid, &lapped.fit, lapped.uncovered, given(&fields, kind));
         measures.sharpness = sharpness(&solid, seed, exec)?;
@@ -249,6 +250,14 @@ pub fn fill(
         };
         Ok((solid, report))
     })
+}
+
+/// The texture without wrapping along the axes that follow a field: at either end of the field the outermost voxels
+/// go on, where wrapping would blend both ends.
+fn followed(texture: Arc<SolidTexture>, kind: TextureType) -> Arc<SolidTexture> {
+    let (tiles, given) = (texture.tiles(), kind.given());
+    let kept = [0, 1, 2].map(|axis| tiles[axis] && !given[axis]);
+    if kept == tiles { texture } else { Arc::new(Arc::unwrap_or_clone(texture).with_tiles(kept)) }
 }
 
 fn check(mesh: &TetMesh, kind: TextureType, fields: &Fields, params: &FillParams) -> Result<(), FillError> {

@@ -95,6 +95,18 @@ fn two_fields_are_coordinates_and_the_third_has_the_scale() {
 }
 
 #[test]
+fn what_follows_a_field_does_not_wrap() {
+    for kind in TextureType::ALL {
+        let mesh = ball(1, 4);
+        let fields = fields(&mesh, kind, 0.8);
+        let exec = Exec::with_threads(1).unwrap();
+        let (solid, _) =
+            fill(mesh, texture([true; 3]), kind, &fields, &FillParams::default(), 7, &exec).unwrap();
+        assert_eq!(solid.exemplars[0].tiles(), kind.given().map(|given| !given), "{kind}");
+    }
+}
+
+#[test]
 fn three_fields_are_the_mapping() {
     let (solid, report) = filled(TextureType::Type2d, 2);
     assert_eq!((solid.patches.len(), solid.layer_patch.len()), (1, solid.mesh.tets.len()));

@@ -1,10 +1,9 @@
 //! The principal axes of a photograph's neighbourhoods \[CW 4.3\]: a neighbourhood of 8×8 pixels has 192 numbers, of
 //! which some twenty carry nearly all that differs from one to the next.
 
-use faer::diag::Diag;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
 use faer::{Mat, Par};
+
+use crate::solve::symmetric_eigen;
 
 /// Numbers that describe a neighbourhood: three registers of eight.
 pub(super) const DIMENSIONS: usize = 24;
@@ -49,7 +48,8 @@ impl Basis {
             1.0 / samples as f64,
             Par::Seq,
         );
-        let vectors = eigenvectors(&covariance);
+        // It comes to an end for every matrix of finite numbers; the numbers themselves still tell neighbourhoods apart.
+        let vectors = symmetric_eigen(&covariance).map_or_else(|_| Mat::identity(length, length), |(_, v)| v);
         let mut axes = vec![[0.0; DIMENSIONS]; length];
         let mut along = [0.0; DIMENSIONS];
         // Eigenvalues rise: the last vector is the first axis.
@@ -74,30 +74,6 @@ impl Basis {
         }
         sum
     }
-}
-
-/// Eigenvectors of a symmetric matrix, in the columns, by rising eigenvalue.
-fn eigenvectors(matrix: &Mat<f64>) -> Mat<f64> {
-    let n = matrix.nrows();
-    let mut vectors = Mat::zeros(n, n);
-    let mut values = Diag::zeros(n);
-    let scratch = self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, Default::default());
-    let mut memory = MemBuffer::new(scratch);
-    let stack = MemStack::new(&mut memory);
-    let solved = self_adjoint_evd(
-        matrix.as_ref(),
-        values.as_mut(),
-        Some(vectors.as_mut()),
-        Par::Seq,
-        stack,
-        Default::default(),
-    );
-    if solved.is_err() {
-        // It does not come to an end on no matrix of finite numbers that we know; the numbers themselves still tell
-        // neighbourhoods apart.
-        return Mat::identity(n, n);
-    }
-    vectors
 }
 
 #[cfg(test)]

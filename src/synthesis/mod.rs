@@ -8,7 +8,7 @@
 //!
 //! | file | noun |
 //! |---|---|
-//! | `exemplar`, `plate`, `distance`, `oklab` | photographs at working size, their pyramid, what steers them |
+//! | `exemplar`, `plate`, `distance` | photographs at working size, their pyramid, what steers them |
 //! | `atlas`, `windows`, `basis`, `similar` | a level's pixels and neighbourhoods, described and compared |
 //! | `lattice`, `level` | a level's voxels, and what is known of them |
 //! | `histogram`, `passes`, `search`, `optimise` | the two phases, in fixed pieces |
@@ -22,7 +22,6 @@ mod histogram;
 mod lattice;
 mod level;
 mod measure;
-mod oklab;
 mod optimise;
 mod params;
 mod passes;

@@ -1,9 +1,7 @@
 //! A photograph on its way down the pyramid: linear light, a feature and a target beside it.
 
-use crate::colour::decode;
+use crate::colour::{decode, oklab};
 use crate::photo::Photograph;
-
-use super::oklab::oklab;
 
 /// A photograph at one level, with what steers its use. All lists have one entry a pixel, row after row.
 #[derive(Debug, Clone)]
@@ -76,7 +74,7 @@ impl Plate {
     /// What neighbourhoods compare: a pixel's Oklab colour and its feature (0 without one).
     pub(super) fn look(&self, n: usize) -> [f32; 4] {
         let [r, g, b, _] = self.light[n];
-        let [l, a, b] = oklab([r, g, b]);
+        let [l, a, b] = oklab([r, g, b, 1.0]);
         [l, a, b, self.feature.as_ref().map_or(0.0, |f| f[n])]
     }
 
