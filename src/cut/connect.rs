@@ -22,10 +22,8 @@ impl Connected {
         let whole = divided.whole.iter().map(|&side| if side == 0 { DIVIDED } else { open(side > 0) });
         let mut of: Vec<u32> = whole.chain(divided.positive.iter().map(|&p| open(p))).collect();
         let mut sizes: Vec<usize> = Vec::new();
-        // First in, first out: what comes next is known long before it is needed, which hides the time that memory
-        // takes.
         let mut queue: Vec<u32> = Vec::new();
-        divided.for_each_cell(|cell| {
+        divided.cells().for_each(|cell| {
             let own = of[cell as usize];
             if !OPEN.contains(&own) {
                 return;

@@ -9,7 +9,7 @@ use super::curve::Crossing;
 use super::reach::Reach;
 use super::{CutError, Sheet};
 use crate::exec::Exec;
-use crate::mesh::subdivide::{Part, Split, Subdivision, edges};
+use crate::mesh::subdivide::{Part, Split, Subdivision, edge_key, edges, keyed_edge};
 use crate::mesh::{NONE, TET_FACES, TetMesh, index};
 
 /// An edge that is crossed nearer to a vertex than this part of its length would leave slivers: the cut is
@@ -52,19 +52,6 @@ impl Divided {
             NONE => t..t + 1,
             n => tets + self.first[n as usize]..tets + self.first[n as usize + 1],
         })
-    }
-
-    /// Calls `visit` with all cells, in that order.
-    pub(super) fn for_each_cell(&self, mut visit: impl FnMut(u32)) {
-        let tets = index(self.whole.len());
-        for (t, &place) in (0..).zip(&self.reach.place) {
-            if place == NONE {
-                visit(t);
-            } else {
-                let [from, to] = [place, place + 1].map(|n| tets + self.first[n as usize]);
-                (from..to).for_each(&mut visit);
-            }
-        }
     }
 
     /// The part that a cell is, if it is none of the whole tetrahedra.
@@ -184,16 +171,15 @@ type Crossed = (Split, Option<Crossing>);
 /// The edges whose ends lie on different sides, sorted and each once, with the places of crossing.
 fn crossed(parts: &Subdivision, sides: &[i8], sheet: &Sheet, tolerance: f64) -> Vec<Crossed> {
     let side = |v: u32| sides[v as usize];
-    // An edge as one number sorts much faster.
     let mut list: Vec<u64> = Vec::with_capacity(parts.parts.len() * 4);
     for part in &parts.parts {
         let crossed = edges(part.vertices).into_iter().filter(|e| side(e[0]) != side(e[1]));
-        list.extend(crossed.map(|[a, b]| u64::from(a) << 32 | u64::from(b)));
+        list.extend(crossed.map(edge_key));
     }
     list.par_sort_unstable();
     list.dedup();
-    let split = |&edge: &u64| {
-        let edge = [(edge >> 32) as u32, edge as u32];
+    let split = |&key: &u64| {
+        let edge = keyed_edge(key);
         let [a, b] = edge.map(|v| parts.vertices[v as usize]);
         let (t, crossing) = sheet.crossing(a, b, tolerance);
         let rank = match (sheet, &crossing) {

@@ -139,7 +139,7 @@ fn outlines(solid: &LappedSolid, divided: &Divided) -> (Vec<Outline>, Vec<u32>) 
     };
     let mut outlines: Vec<Outline> = connected.sizes.iter().enumerate().map(empty).collect();
     let mut place = vec![NONE; connected.of.len()];
-    divided.for_each_cell(|cell| {
+    divided.cells().for_each(|cell| {
         let list = &mut outlines[connected.of[cell as usize] as usize].cells;
         place[cell as usize] = index(list.len());
         list.push(cell);

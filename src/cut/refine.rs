@@ -7,7 +7,7 @@ use super::curve::{Crossing, Curve};
 use super::reach::Reach;
 use crate::exec::{Cancelled, Exec};
 use crate::mesh::TET_FACES;
-use crate::mesh::subdivide::{Part, Split, Subdivision, edges};
+use crate::mesh::subdivide::{Part, Split, Subdivision, edge_key, edges, keyed_edge};
 use crate::view::turn;
 
 /// Rounds of bisection at most. Each halves what is too long, so a few suffice for any drawn stroke.
@@ -83,15 +83,12 @@ pub(super) fn refine(
 /// The edges that should be split, sorted and each once.
 fn wanted(parts: &Subdivision, curve: &Curve, tolerance: f64, active: &[u32]) -> Vec<Split> {
     let part = |i: &u32| &parts.parts[*i as usize];
-    // An edge as one number sorts much faster.
-    let key = |[a, b]: [u32; 2]| u64::from(a) << 32 | u64::from(b);
-    let mut all: Vec<u64> = active.iter().flat_map(|i| edges(part(i).vertices).map(key)).collect();
+    let mut all: Vec<u64> = active.iter().flat_map(|i| edges(part(i).vertices).map(edge_key)).collect();
     all.par_sort_unstable();
     all.dedup();
-    let edge = |key: u64| [(key >> 32) as u32, key as u32];
     let meets: Vec<Meets> =
-        all.par_iter().with_min_len(256).map(|k| meets(parts, curve, tolerance, edge(*k))).collect();
-    let look = |edge: [u32; 2]| all.binary_search(&key(edge)).map_or(Meets::Not, |at| meets[at]);
+        all.par_iter().with_min_len(256).map(|k| meets(parts, curve, tolerance, keyed_edge(*k))).collect();
+    let look = |edge: [u32; 2]| all.binary_search(&edge_key(edge)).map_or(Meets::Not, |at| meets[at]);
     let mut bends: Vec<Bend> = active
         .par_iter()
         .with_min_len(256)
@@ -113,7 +110,7 @@ fn wanted(parts: &Subdivision, curve: &Curve, tolerance: f64, active: &[u32]) ->
     let mut splits: Vec<Split> = bends.into_iter().map(|b| b.split).collect();
     splits.retain(|s| !matches!(look(s.edge), Meets::Often(_)));
     splits.extend(all.iter().zip(&meets).filter_map(|(key, m)| match m {
-        Meets::Often(t) => Some(Split::at(edge(*key), *t)),
+        Meets::Often(t) => Some(Split::at(keyed_edge(*key), *t)),
         _ => None,
     }));
     splits.sort_unstable_by_key(|s| s.edge);

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::{CutError, CutParams, CutSurface, Sheet};
 use crate::exec::Exec;
 use crate::lap::LappedSolid;
-use crate::mesh::subdivide::edges;
+use crate::mesh::subdivide::{edge_key, edges, keyed_edge};
 use crate::mesh::{NONE, TriMesh, index, signed_volume};
 
 /// A surface through a model.
@@ -52,14 +52,13 @@ fn section_here(solid: &LappedSolid, sheet: &Sheet, tolerance: f64) -> Section {
     };
     let passed: Vec<(u32, [u32; 4])> =
         (0..).zip(&mesh.tets).filter(passed).map(|(t, tet)| (t, *tet)).collect();
-    let key = |[a, b]: [u32; 2]| u64::from(a) << 32 | u64::from(b);
     let crossed = |[a, b]: &[u32; 2]| side(*a) != side(*b);
     let mut keys: Vec<u64> =
-        passed.iter().flat_map(|(_, tet)| edges(*tet).into_iter().filter(crossed).map(key)).collect();
+        passed.iter().flat_map(|(_, tet)| edges(*tet).into_iter().filter(crossed).map(edge_key)).collect();
     keys.par_sort_unstable();
     keys.dedup();
     let cross = |key: &u64| {
-        let edge = [(key >> 32) as u32, *key as u32];
+        let edge = keyed_edge(*key);
         let [a, b] = edge.map(|v| mesh.vertices[v as usize]);
         let (t, _) = sheet.crossing(a, b, tolerance);
         (a + (b - a) * t, (edge, t))
@@ -67,7 +66,8 @@ fn section_here(solid: &LappedSolid, sheet: &Sheet, tolerance: f64) -> Section {
     let (vertices, edges): (Vec<_>, Vec<_>) = keys.par_iter().with_min_len(1024).map(cross).unzip();
     let mut section = Section { mesh: TriMesh { vertices, triangles: Vec::new() }, tets: Vec::new(), edges };
     for (t, tet) in passed {
-        let on = |a: u32, b: u32| index(keys.binary_search(&key([a.min(b), a.max(b)])).unwrap_or_default());
+        let on =
+            |a: u32, b: u32| index(keys.binary_search(&edge_key([a.min(b), a.max(b)])).unwrap_or_default());
         // The vertices on the positive side first; the tetrahedron stays a positive one.
         let mut order = tet;
         order.sort_by_key(|v| !side(*v));

@@ -283,6 +283,16 @@ pub(crate) fn edges(v: [u32; 4]) -> [[u32; 2]; 6] {
     PAIRS.map(|[a, b]| [v[a].min(v[b]), v[a].max(v[b])])
 }
 
+/// An edge as one number, in the order of edges: it sorts much faster.
+pub(crate) fn edge_key([a, b]: [u32; 2]) -> u64 {
+    u64::from(a) << 32 | u64::from(b)
+}
+
+/// The edge of a key.
+pub(crate) fn keyed_edge(key: u64) -> [u32; 2] {
+    [(key >> 32) as u32, key as u32]
+}
+
 impl Slice {
     /// If the edge is one of its own, it becomes the half at the edge's first vertex, and the other half is
     /// returned.
