@@ -15,45 +15,105 @@ pub(super) struct Connected {
 
 impl Connected {
     pub(super) fn new(divided: &Divided, mesh: &TetMesh) -> Self {
-        // What is not reached yet, by side; tetrahedra that were divided are no cells.
-        const OPEN: [u32; 2] = [NONE - 1, NONE - 2];
-        const DIVIDED: u32 = NONE;
-        let open = |positive: bool| OPEN[usize::from(positive)];
-        let whole = divided.whole.iter().map(|&side| if side == 0 { DIVIDED } else { open(side > 0) });
-        let mut of: Vec<u32> = whole.chain(divided.positive.iter().map(|&p| open(p))).collect();
-        let mut sizes: Vec<usize> = Vec::new();
-        let mut queue: Vec<u32> = Vec::new();
-        divided.cells().for_each(|cell| {
-            let own = of[cell as usize];
-            if !OPEN.contains(&own) {
-                return;
+        let mut labels = Labels::default();
+        let mut of = vec![NONE; divided.whole.len() + divided.positive.len()];
+        for (t, (&side, beside)) in divided.whole.iter().zip(&mesh.neighbours).enumerate() {
+            if side != 0 {
+                of[t] = labels.of_cell(&of, side > 0, beside);
             }
-            let label = index(sizes.len());
-            let reach = |of: &mut [u32], queue: &mut Vec<u32>, n: u32| {
-                if let Some(other) = of.get_mut(n as usize).filter(|other| **other == own) {
-                    *other = label;
-                    queue.push(n);
-                }
-            };
-            queue.clear();
-            reach(&mut of, &mut queue, cell);
-            let mut at = 0;
-            while let Some(&cell) = queue.get(at) {
-                at += 1;
-                match divided.part(cell) {
-                    Some(i) => divided.neighbours[i].into_iter().for_each(|n| reach(&mut of, &mut queue, n)),
-                    None => {
-                        for n in mesh.neighbours[cell as usize] {
-                            let parted = of.get(n as usize).is_some_and(|other| *other == DIVIDED);
-                            let n = if parted { divided.across(mesh, cell, n) } else { n };
-                            reach(&mut of, &mut queue, n);
-                        }
-                    }
-                }
-            }
-            sizes.push(queue.len());
+        }
+        for (i, (&positive, beside)) in divided.positive.iter().zip(&divided.neighbours).enumerate() {
+            of[divided.whole.len() + i] = labels.of_cell(&of, positive, beside);
+        }
+        labels.number(divided, of)
+    }
+}
+
+/// Labels that cells get one after the other, each from those beside it that have one; where two meet, they are joined.
+///
+/// The last bit of a label is the side of the cut.
+#[derive(Default)]
+struct Labels {
+    /// By label without the side's bit, another of the same component, of a smaller number; or itself, the smallest.
+    joined: Vec<u32>,
+}
+
+impl Labels {
+    /// A label for a cell on this side with these beside it.
+    #[inline(always)]
+    fn of_cell(&mut self, of: &[u32], positive: bool, beside: &[u32; 4]) -> u32 {
+        let side = u32::from(positive);
+        // Which of those beside it have a label yet is as good as random, so this does without branches.
+        let around = beside.map(|n| {
+            let other = of.get(n as usize).copied().unwrap_or(NONE);
+            if other & 1 == side { other } else { NONE }
         });
-        Self { sizes, of }
+        let own = around[0].min(around[1]).min(around[2].min(around[3]));
+        if own == NONE {
+            let new = index(self.joined.len());
+            self.joined.push(new);
+            return new * 2 + side;
+        }
+        let differs = |other: u32| (other != own) & (other != NONE);
+        if differs(around[0]) | differs(around[1]) | differs(around[2]) | differs(around[3]) {
+            for other in around.into_iter().filter(|other| differs(*other)) {
+                self.join(own / 2, other / 2);
+            }
+        }
+        own
+    }
+
+    fn join(&mut self, a: u32, b: u32) -> u32 {
+        let (a, b) = (self.smallest(a), self.smallest(b));
+        let least = a.min(b);
+        self.joined[a.max(b) as usize] = least;
+        least
+    }
+
+    fn smallest(&mut self, mut label: u32) -> u32 {
+        loop {
+            let next = self.joined[label as usize];
+            if next == label {
+                return label;
+            }
+            // Ways are halved as they are gone.
+            let after = self.joined[next as usize];
+            self.joined[label as usize] = after;
+            label = after;
+        }
+    }
+
+    /// The components, in the order of their first cells.
+    fn number(mut self, divided: &Divided, mut of: Vec<u32>) -> Connected {
+        let mut number = vec![NONE; self.joined.len()];
+        for label in 0..index(self.joined.len()) {
+            number[label as usize] = self.smallest(label);
+        }
+        // The first tetrahedron and cell of each.
+        let mut first = vec![(NONE, NONE); self.joined.len()];
+        let mut sizes = vec![0usize; self.joined.len()];
+        for (cell, label) in of.iter_mut().enumerate().filter(|(_, label)| **label != NONE) {
+            *label = number[*label as usize / 2];
+            let size = &mut sizes[*label as usize];
+            *size += 1;
+            if *size == 1 {
+                first[*label as usize] = (cell as u32, cell as u32);
+            }
+        }
+        let tets = divided.whole.len();
+        for (i, part) in divided.parts.parts.iter().enumerate() {
+            let first = &mut first[of[tets + i] as usize];
+            *first = (*first).min((part.parent, index(tets + i)));
+        }
+        let mut order: Vec<u32> = (0..index(self.joined.len())).filter(|l| sizes[*l as usize] > 0).collect();
+        order.sort_unstable_by_key(|l| first[*l as usize]);
+        for (n, l) in order.iter().enumerate() {
+            number[*l as usize] = index(n);
+        }
+        for label in of.iter_mut().filter(|label| **label != NONE) {
+            *label = number[*label as usize];
+        }
+        Connected { sizes: order.iter().map(|l| sizes[*l as usize]).collect(), of }
     }
 }
 

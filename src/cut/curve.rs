@@ -1,14 +1,18 @@
 //! A stroke as a curve that divides the screen, and where the edges of a mesh cross it.
 
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
 
-use super::divide::SNAP;
 use super::slabs::Slabs;
 use super::{CutError, StrokeEnd};
 use crate::view::{Camera, Projection, Stroke, box_of, meeting, turn};
 
 /// Turns up to this angle, some 15°, are what a polygon makes of a smooth line.
 const GENTLE: f64 = 0.25;
+
+/// An edge that is crossed nearer to a vertex than this part of its length would leave slivers: the cut is
+/// led through the vertex instead.
+pub(super) const SNAP: f64 = 1e-3;
 
 /// How many slabs a tetrahedron may pass through, beyond its corners' own, to be passed over quickly.
 pub(super) const AROUND: usize = 8;
@@ -31,7 +35,12 @@ pub(super) struct Curve {
     around: Vec<[f64; 2]>,
     model: (DVec2, DVec2),
     stroke_size: f64,
+    /// Where the model's vertices are seen.
+    seen: Vec<Seen>,
 }
+
+/// Where a point is seen, in the curve's coordinates, and how far it is along the view.
+pub(super) type Seen = (DVec2, f64);
 
 /// Where an edge crosses the curve.
 #[derive(Debug, Clone, Copy)]
@@ -49,12 +58,13 @@ impl Curve {
     pub(super) fn new(stroke: &Stroke, camera: &Camera, vertices: &[DVec3]) -> Result<Self, CutError> {
         let view = camera.projection()?;
         let scale = DVec2::new(camera.aspect, 1.0);
+        let mut seen: Vec<Seen> =
+            vertices.par_iter().with_min_len(4096).map(|&p| view.screen_from_world(p)).collect();
         let (mut lo, mut hi) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         let mut hidden = 0;
-        for &p in vertices {
-            let (at, z) = view.screen_from_world(p);
+        for (&p, &(at, z)) in vertices.iter().zip(&seen) {
             // Beside the eye, a point has no place on the screen that a double could hold.
-            if z > 1e-9 * (p - view.eye).length() && at.is_finite() {
+            if z > 0.0 && z * z > 1e-18 * (p - view.eye).length_squared() && at.is_finite() {
                 lo = lo.min(at);
                 hi = hi.max(at);
             } else {
@@ -78,7 +88,10 @@ impl Curve {
             around: Vec::new(),
             model: (lo, hi),
             stroke_size: size.max_element(),
+            seen: Vec::new(),
         };
+        seen.iter_mut().for_each(|s| s.0 = curve.inner(s.0));
+        curve.seen = seen;
         let drawn: Vec<DVec2> = stroke.points.iter().map(|&p| curve.inner(p)).collect();
         let ends = [lo, hi].map(|p| curve.inner(p));
         let (low, high) = box_of(&[&ends[..], &drawn[..]].concat());
@@ -120,9 +133,19 @@ impl Curve {
     }
 
     /// Where a point of the model is seen, and how far it is along the view.
-    pub(super) fn see(&self, p: DVec3) -> (DVec2, f64) {
+    pub(super) fn see(&self, p: DVec3) -> Seen {
         let (at, z) = self.view.screen_from_world(p);
         (self.inner(at), z)
+    }
+
+    /// Where the model's vertices are seen.
+    pub(super) fn model(&self) -> &[Seen] {
+        &self.seen
+    }
+
+    /// Where vertex `v` of `vertices`, which are the model's and then others, is seen.
+    pub(super) fn see_vertex(&self, vertices: &[DVec3], v: u32) -> Seen {
+        self.seen.get(v as usize).copied().unwrap_or_else(|| self.see(vertices[v as usize]))
     }
 
     /// The model's box on the screen, in fractions of the picture.
@@ -196,12 +219,8 @@ impl Curve {
     }
 
     /// Whether the curve may pass through what is seen of a tetrahedron.
-    pub(super) fn near(&self, corners: [DVec3; 4]) -> bool {
-        self.near_seen(corners.map(|p| self.see(p).0))
-    }
-
-    /// The same for the places where its corners are seen.
-    pub(super) fn near_seen(&self, seen: [DVec2; 4]) -> bool {
+    pub(super) fn near(&self, seen: [Seen; 4]) -> bool {
+        let seen = seen.map(|s| s.0);
         let [a, b, c, d] = seen;
         let (lo, hi) = (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));
         (self.slabs.of(lo.y)..=self.slabs.of(hi.y)).any(|slab| {
@@ -222,9 +241,8 @@ impl Curve {
     }
 
     /// Where the edge from a to b crosses the curve's sheet, in this order, appended to `found`.
-    pub(super) fn crossings(&self, a: DVec3, b: DVec3, found: &mut Vec<Crossing>) {
+    pub(super) fn crossings(&self, (p, za): Seen, (q, zb): Seen, found: &mut Vec<Crossing>) {
         let start = found.len();
-        let ((p, za), (q, zb)) = (self.see(a), self.see(b));
         let (lo, hi) = (p.min(q), p.max(q));
         let first = self.slabs.of(lo.y);
         for slab in first..=self.slabs.of(hi.y) {
@@ -275,16 +293,21 @@ impl Curve {
 
     /// Where the edge from a to b, which lie on different sides, crosses the curve's sheet. Of several
     /// places, which do not matter by the tolerance, the middle one.
-    pub(super) fn crossing(&self, a: DVec3, b: DVec3, tolerance: f64) -> (f64, Option<Crossing>) {
+    pub(super) fn crossing(
+        &self,
+        [a, b]: [DVec3; 2],
+        seen: [Seen; 2],
+        tolerance: f64,
+    ) -> (f64, Option<Crossing>) {
         let mut found = Vec::with_capacity(4);
-        self.crossings(a, b, &mut found);
+        self.crossings(seen[0], seen[1], &mut found);
         self.drop_slight(&mut found, tolerance);
         if found.len() % 2 == 1 {
             let middle = found[found.len() / 2];
             return (middle.t, Some(middle));
         }
         // Sides and crossings can disagree where an end of the edge lies on the curve.
-        let side = self.positive(a);
+        let side = self.positive_seen(seen[0].0);
         let (mut lo, mut hi) = (0.0, 1.0);
         for _ in 0..60 {
             let middle = 0.5 * (lo + hi);

@@ -1,20 +1,15 @@
-//! Marching tetrahedra: every crossed edge is split at the sheet, so that each part lies on one side of it.
+//! A marched mesh as cells, with what is beside each and what hangs together.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::beside::beside;
 use super::connect::{Connected, join_chips};
-use super::curve::Crossing;
+use super::march::{Marched, side_of};
 use super::reach::Reach;
 use super::{CutError, Sheet};
 use crate::exec::Exec;
-use crate::mesh::subdivide::{Part, Split, Subdivision, edge_key, edges, keyed_edge};
+use crate::mesh::subdivide::{Part, Subdivision};
 use crate::mesh::{NONE, TET_FACES, TetMesh, index};
-
-/// An edge that is crossed nearer to a vertex than this part of its length would leave slivers: the cut is
-/// led through the vertex instead.
-pub(super) const SNAP: f64 = 1e-3;
 
 /// A mesh divided by a sheet, as cells: those numbered below the number of its tetrahedra are the whole
 /// tetrahedra out of reach, the others the parts of those in reach.
@@ -112,48 +107,19 @@ impl Divided {
     }
 }
 
-/// Divides the parts of `mesh` along the sheet.
+/// What is beside and what hangs together in a mesh that has been marched.
 pub(super) fn divide(
-    mut parts: Subdivision,
-    mut reach: Reach,
+    marched: Marched,
     sheet: &Sheet,
     tolerance: f64,
     mesh: &TetMesh,
     exec: &Exec,
 ) -> Result<Divided, CutError> {
-    let mut sides = std::mem::take(&mut reach.sides);
-    let new = &parts.vertices[sides.len()..];
-    sides.par_extend(new.par_iter().with_min_len(1024).map(|&p| if sheet.positive(p) { 1 } else { -1 }));
-    exec.check()?;
-    let crossed = crossed(&parts, &sides, sheet, tolerance);
-    let mut on_sheet = snapped(&crossed, sides.len(), sheet, tolerance);
-    let mut splits: Vec<Split> = crossed.into_iter().map(|(s, _)| s).collect();
-    splits.retain(|s| reach.holds(s.edge));
-    loop {
-        exec.check()?;
-        splits.retain(|s| s.edge.iter().all(|&v| !on_sheet[v as usize]));
-        let Err(bad) = parts.split(&splits) else { break };
-        // Round-off would turn a part inside out: lead the cut through the nearer vertices there. Each
-        // time round there are fewer splits.
-        for i in bad {
-            let s = splits[i as usize];
-            on_sheet[s.edge[usize::from(s.t > 0.5)] as usize] = true;
-        }
-    }
-    let most = u32::MAX as usize / 4;
-    if parts.parts.len() + mesh.tets.len() > most || parts.vertices.len() > most {
-        return Err(CutError::TooLarge("vertices or tetrahedra"));
-    }
-    let whole = sides_of_tets(&reach, &sides, mesh);
-    let mut snapped = 0;
-    for (side, _) in sides.iter_mut().zip(&on_sheet).filter(|(_, on)| **on) {
-        *side = 0;
-        snapped += 1;
-    }
-    sides.resize(parts.vertices.len(), 0);
+    let Marched { mut parts, reach, sides, whole, snapped, .. } = marched;
     let first = in_order(&mut parts, &reach);
     let neighbours = beside(&parts, &reach, &first, mesh);
     let positive = sides_of_parts(&parts, &neighbours, &sides, &whole, sheet);
+    exec.check()?;
     let connected = Connected::default();
     let mut divided = Divided { parts, reach, first, neighbours, positive, whole, connected, snapped };
     divided.connected = Connected::new(&divided, mesh);
@@ -163,61 +129,6 @@ pub(super) fn divide(
         }
     }
     Ok(divided)
-}
-
-/// A crossed edge, and what a curve makes of the crossing.
-type Crossed = (Split, Option<Crossing>);
-
-/// The edges whose ends lie on different sides, sorted and each once, with the places of crossing.
-fn crossed(parts: &Subdivision, sides: &[i8], sheet: &Sheet, tolerance: f64) -> Vec<Crossed> {
-    let side = |v: u32| sides[v as usize];
-    let mut list: Vec<u64> = Vec::with_capacity(parts.parts.len() * 4);
-    for part in &parts.parts {
-        let crossed = edges(part.vertices).into_iter().filter(|e| side(e[0]) != side(e[1]));
-        list.extend(crossed.map(edge_key));
-    }
-    list.par_sort_unstable();
-    list.dedup();
-    let split = |&key: &u64| {
-        let edge = keyed_edge(key);
-        let [a, b] = edge.map(|v| parts.vertices[v as usize]);
-        let (t, crossing) = sheet.crossing(a, b, tolerance);
-        let rank = match (sheet, &crossing) {
-            (Sheet::Screen(curve), Some(x)) => curve.sharpness(x, tolerance),
-            _ => 0.0,
-        };
-        (Split { edge, t, rank }, crossing)
-    };
-    list.par_iter().with_min_len(1024).map(split).collect()
-}
-
-/// The vertices that some edge is crossed next to, and that the cut is led through therefore. Not where the
-/// vertex stands in a corner of the curve, close to one leg of it, and other edges lead across the other leg:
-/// they would not be crossed any more, and the corner would be lost.
-fn snapped(crossed: &[Crossed], vertices: usize, sheet: &Sheet, tolerance: f64) -> Vec<bool> {
-    let end = |s: &Split, x: usize| if x == 0 { s.t } else { 1.0 - s.t };
-    let mut on_sheet = vec![false; vertices];
-    let mut near: Vec<(u32, Crossing)> = Vec::new();
-    for (s, crossing) in crossed {
-        for x in [0, 1] {
-            if end(s, x) < SNAP {
-                on_sheet[s.edge[x] as usize] = true;
-                near.extend(crossing.map(|c| (s.edge[x], c)));
-            }
-        }
-    }
-    let Sheet::Screen(curve) = sheet else { return on_sheet };
-    near.sort_by_key(|n| n.0);
-    near.dedup_by_key(|n| n.0);
-    for (s, crossing) in crossed {
-        for x in [0, 1] {
-            let (Some(far), false) = (crossing, end(s, x) < SNAP) else { continue };
-            if let Ok(at) = near.binary_search_by_key(&s.edge[x], |n| n.0) {
-                on_sheet[s.edge[x] as usize] &= curve.straight(&near[at].1, far, tolerance);
-            }
-        }
-    }
-    on_sheet
 }
 
 /// Sorts the parts by their parents, else as they came about; the parts of the n-th tetrahedron in reach are then
@@ -242,12 +153,6 @@ fn in_order(parts: &mut Subdivision, reach: &Reach) -> Vec<u32> {
     first
 }
 
-/// The side of each whole tetrahedron, which is that of any vertex; 0 for those in reach.
-fn sides_of_tets(reach: &Reach, sides: &[i8], mesh: &TetMesh) -> Vec<i8> {
-    let side = |(tet, place): (&[u32; 4], &u32)| if *place == NONE { sides[tet[0] as usize] } else { 0 };
-    mesh.tets.par_iter().zip(&reach.place).with_min_len(4096).map(side).collect()
-}
-
 /// The side of each part: that of its vertices. A part with all four vertices on the sheet, a sliver, goes to
 /// the side with which it shares the larger area, so that it never is a piece of its own.
 fn sides_of_parts(
@@ -257,11 +162,7 @@ fn sides_of_parts(
     whole: &[i8],
     sheet: &Sheet,
 ) -> Vec<bool> {
-    let mut result: Vec<i8> = parts
-        .parts
-        .iter()
-        .map(|p| p.vertices.iter().map(|&v| sides[v as usize]).find(|&s| s != 0).unwrap_or(0))
-        .collect();
+    let mut result: Vec<i8> = parts.parts.iter().map(|p| side_of(p, sides)).collect();
     let mut open: Vec<usize> = (0..result.len()).filter(|&i| result[i] == 0).collect();
     while !open.is_empty() {
         let before = open.len();

@@ -1,7 +1,7 @@
 //! Cutting a lapped solid along a stroke or a plane into pieces that are whole lapped solids \[LST 5.1.1\].
 //!
 //! Most of a large model lies out of the sheet's reach (`reach`) and is only handed on. The rest goes through
-//! four steps, a file each:
+//! five steps, a file each:
 //!
 //! 1. `curve`: the stroke becomes a curve that divides the screen in two; a point of the model is on the one
 //!    side or the other of the sheet that this curve sweeps along the view. Sides are exact, so there are no
@@ -10,17 +10,20 @@
 //!    between its points and may close up elsewhere.)
 //! 2. `refine`: where the curve bends within a tetrahedron, or crosses an edge more than once, tetrahedra are
 //!    bisected first, until marching them follows the curve.
-//! 3. `divide`: every crossed edge is split once, at the sheet; what would leave a sliver is snapped to the
+//! 3. `march`: every crossed edge is split once, at the sheet; what would leave a sliver is snapped to the
 //!    vertex. Each tetrahedron then lies on one side.
-//! 4. `pieces`: what hangs together on one side (`connect`) becomes a lapped solid of its own.
+//! 4. `divide`: what lies beside each part (`beside`), and what hangs together on one side (`connect`).
+//! 5. `pieces`: each connected part of a side becomes a lapped solid of its own.
 //!
-//! Both 2 and 3 split edges in one order that holds for the whole mesh (`mesh::subdivide`), so that the
+//! Less than a whole cut are `section`, the surface alone, and `clip`, which stops after 3. Both 2 and 3 split edges in one order that holds for the whole mesh (`mesh::subdivide`), so that the
 //! tetrahedra on both sides of a face always divide it alike, and none can be turned inside out.
 
 mod beside;
+mod clip;
 mod connect;
 mod curve;
 mod divide;
+mod march;
 mod pieces;
 mod reach;
 mod refine;
@@ -35,10 +38,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::exec::{Cancelled, Exec};
 use crate::lap::LappedSolid;
-use crate::mesh::subdivide::Subdivision;
 use crate::view::{Camera, CameraError, Stroke, StrokeError};
+pub use clip::{Side, clip};
 use curve::{Crossing, Curve};
-use reach::Reach;
 pub use section::{Section, section};
 
 /// What to cut along.
@@ -244,18 +246,12 @@ fn cut_here(
     }
     let mut report = CutReport::default();
     let sheet = Sheet::new(solid, surface)?;
-    let reach = Reach::new(&solid.mesh, &sheet);
-    let mut parts = Subdivision::of(&solid.mesh, &reach.tets);
     stage.at(1);
-    if let Sheet::Screen(curve) = &sheet {
-        if !(params.tolerance >= 1e-6 && params.tolerance.is_finite()) {
-            return Err(CutError::BadTolerance(params.tolerance));
-        }
-        report.unresolved = refine::refine(&mut parts, &reach, curve, params.tolerance, exec)?;
-    }
-    report.vertices_refined = parts.vertices.len() - solid.mesh.vertices.len();
+    let marched = march::march(&solid.mesh, &sheet, params, exec)?;
+    report.unresolved = marched.unresolved;
+    report.vertices_refined = marched.refined;
     stage.at(2);
-    let divided = divide::divide(parts, reach, &sheet, params.tolerance, &solid.mesh, exec)?;
+    let divided = divide::divide(marched, &sheet, params.tolerance, &solid.mesh, exec)?;
     report.vertices_cut = divided.parts.vertices.len() - solid.mesh.vertices.len() - report.vertices_refined;
     report.vertices_snapped = divided.snapped;
     if let Some(positive) = divided.one_side(&solid.mesh) {
@@ -300,16 +296,19 @@ impl Sheet {
         }
     }
 
-    /// Where the edge from a to b, which lie on different sides, crosses the sheet, as a part of it, and
+    /// Where an edge, whose ends lie on different sides, crosses the sheet, as a part of it, and
     /// what a curve makes of it.
-    fn crossing(&self, a: DVec3, b: DVec3, tolerance: f64) -> (f64, Option<Crossing>) {
+    fn crossing(&self, vertices: &[DVec3], edge: [u32; 2], tolerance: f64) -> (f64, Option<Crossing>) {
+        let [a, b] = edge.map(|v| vertices[v as usize]);
         match self {
             Self::Plane { normal, offset, .. } => {
                 let (da, db) = (normal.dot(a) - offset, normal.dot(b) - offset);
                 // One is ≥ 0 and the other < 0.
                 ((da / (da - db)).clamp(0.0, 1.0), None)
             }
-            Self::Screen(curve) => curve.crossing(a, b, tolerance),
+            Self::Screen(curve) => {
+                curve.crossing([a, b], edge.map(|v| curve.see_vertex(vertices, v)), tolerance)
+            }
         }
     }
 

@@ -8,7 +8,7 @@ use super::{CutError, CutReport};
 use crate::exec::Exec;
 use crate::lap::LappedSolid;
 use crate::mesh::subdivide::{INNER, Weights};
-use crate::mesh::{BoundaryFace, FaceOrigin, NONE, TET_FACES, TetMesh, index, signed_volume};
+use crate::mesh::{BoundaryFace, FaceOrigin, NONE, TetMesh, index, signed_volume};
 
 /// The cells and vertices of a piece.
 struct Outline {
@@ -59,19 +59,17 @@ fn count(solid: &LappedSolid, divided: &Divided, pieces: &[(f64, LappedSolid)], 
     let parents: f64 = divided.reached().iter().map(|&t| volume(solid.mesh.tets[t as usize])).sum();
     let enclosed = report.volumes.iter().sum::<f64>();
     report.volume_error = (enclosed - whole).abs().max((parts - parents).abs()) / whole;
-    for (i, part) in divided.parts.parts.iter().enumerate() {
-        let positive = divided.positive[i];
-        for (k, face) in TET_FACES.iter().enumerate() {
-            let across = divided.neighbours[i][k];
-            // Each face once: from the positive side, or from that where it is no whole tetrahedron's.
-            let counts = positive || divided.is_whole(across);
-            if across != NONE && counts && divided.side(across) != positive {
-                let [a, b, c] = face.map(|j| divided.parts.vertices[part.vertices[j] as usize]);
-                report.cut_triangles += 1;
-                report.cut_area += 0.5 * (b - a).cross(c - a).length();
-            }
-        }
-    }
+    // Each face that the cut opened belongs to two pieces.
+    let opened = |piece: &LappedSolid| {
+        let own = piece.mesh.boundary.iter().filter(|f| f.origin == FaceOrigin::Cut(solid.cuts));
+        let area = |f: &BoundaryFace| {
+            let [a, b, c] = piece.mesh.face_vertices(f).map(|v| piece.mesh.vertices[v as usize]);
+            0.5 * (b - a).cross(c - a).length()
+        };
+        own.fold((0, 0.0), |(count, sum), f| (count + 1, sum + area(f)))
+    };
+    let both = pieces.iter().map(|p| opened(&p.1)).fold((0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
+    (report.cut_triangles, report.cut_area) = (both.0 / 2, both.1 / 2.0);
 }
 
 /// The volume within a mesh's boundary, which is that of its tetrahedra.
@@ -212,7 +210,7 @@ fn beside(
 ) -> (Vec<[u32; 4]>, Vec<BoundaryFace>) {
     let mesh = &solid.mesh;
     let of = &divided.connected.of;
-    let mut neighbours = vec![[NONE; 4]; cells.len()];
+    let mut neighbours = Vec::with_capacity(cells.len());
     let mut boundary = Vec::new();
     // The boundary's faces lie in the order of the tetrahedra, as the cells do.
     let mut rest = &mesh.boundary[..];
@@ -225,7 +223,12 @@ fn beside(
     for (n, &cell) in cells.iter().enumerate() {
         match divided.part(cell) {
             None => {
-                for (k, &across) in mesh.neighbours[cell as usize].iter().enumerate() {
+                let all = mesh.neighbours[cell as usize];
+                let mut own = all.map(|n| place.get(n as usize).copied().unwrap_or(NONE));
+                for (k, &across) in all.iter().enumerate() {
+                    if own[k] != NONE {
+                        continue;
+                    }
                     if across == NONE {
                         let origin = old_origin(cell, k as u8);
                         boundary.push(BoundaryFace { tet: index(n), face: k as u8, origin });
@@ -233,24 +236,22 @@ fn beside(
                     }
                     // What was divided has no place of its own. A part beside a whole tetrahedron lies on the other
                     // side only where the cut was led along their face.
-                    let mut there = place[across as usize];
-                    if there == NONE {
-                        let part = divided.across(mesh, cell, across) as usize;
-                        if of[part] != number {
-                            let origin = FaceOrigin::Cut(solid.cuts);
-                            boundary.push(BoundaryFace { tet: index(n), face: k as u8, origin });
-                            continue;
-                        }
-                        there = place[part];
+                    let part = divided.across(mesh, cell, across) as usize;
+                    if of[part] == number {
+                        own[k] = place[part];
+                    } else {
+                        let origin = FaceOrigin::Cut(solid.cuts);
+                        boundary.push(BoundaryFace { tet: index(n), face: k as u8, origin });
                     }
-                    neighbours[n][k] = there;
                 }
+                neighbours.push(own);
             }
             Some(i) => {
                 let part = &divided.parts.parts[i];
+                let mut own = [NONE; 4];
                 for (k, &across) in divided.neighbours[i].iter().enumerate() {
                     if across != NONE && of[across as usize] == number {
-                        neighbours[n][k] = place[across as usize];
+                        own[k] = place[across as usize];
                         continue;
                     }
                     let origin = if across == NONE {
@@ -261,6 +262,7 @@ fn beside(
                     };
                     boundary.push(BoundaryFace { tet: index(n), face: k as u8, origin });
                 }
+                neighbours.push(own);
             }
         }
     }

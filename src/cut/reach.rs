@@ -1,6 +1,6 @@
 //! What a cut may change: most of a large mesh lies on one side of the sheet, and is only handed on.
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use rayon::prelude::*;
 
 use super::Sheet;
@@ -46,16 +46,13 @@ impl Reach {
     }
 
     fn of_curve(mesh: &TetMesh, curve: &Curve) -> Self {
-        let see = |p: &DVec3| {
-            let seen = curve.see(*p).0;
-            (seen, Sight::new(curve, seen))
-        };
-        let (seen, sights): (Vec<DVec2>, Vec<Sight>) =
-            mesh.vertices.par_iter().with_min_len(CHUNK).map(see).unzip();
+        let seen = curve.model();
+        let sights: Vec<Sight> =
+            seen.par_iter().with_min_len(CHUNK).map(|s| Sight::new(curve, s.0)).collect();
         let sides = sights.iter().map(|s| sign(s.positive())).collect();
         let near = filtered(mesh, |v| match Sight::of_all(v.map(|w| sights[w as usize])) {
             Some(passes) => passes,
-            None => curve.near_seen(v.map(|w| seen[w as usize])),
+            None => curve.near(v.map(|w| seen[w as usize])),
         });
         let passed = passed(mesh, &near);
         let two = |v: &[u32; 4]| v.iter().filter(|w| passed[**w as usize]).count() > 1;

@@ -6,8 +6,8 @@ use rayon::prelude::*;
 use super::curve::{Crossing, Curve};
 use super::reach::Reach;
 use crate::exec::{Cancelled, Exec};
-use crate::mesh::TET_FACES;
 use crate::mesh::subdivide::{Part, Split, Subdivision, edge_key, edges, keyed_edge};
+use crate::mesh::{TET_FACES, index};
 use crate::view::turn;
 
 /// Rounds of bisection at most. Each halves what is too long, so a few suffice for any drawn stroke.
@@ -54,7 +54,8 @@ pub(super) fn refine(
                 let part = &parts.parts[i as usize];
                 // What the curve does not pass through has no parts that it does, whatever rounding says.
                 let place = reach.place[part.parent as usize];
-                reach.near[place as usize] && curve.near(parts.corners(part))
+                let seen = || part.vertices.map(|v| curve.see_vertex(&parts.vertices, v));
+                reach.near[place as usize] && (round == 0 || curve.near(seen()))
             })
             .collect();
         let mut splits = wanted(parts, curve, tolerance, &active);
@@ -83,18 +84,28 @@ pub(super) fn refine(
 /// The edges that should be split, sorted and each once.
 fn wanted(parts: &Subdivision, curve: &Curve, tolerance: f64, active: &[u32]) -> Vec<Split> {
     let part = |i: &u32| &parts.parts[*i as usize];
-    let mut all: Vec<u64> = active.iter().flat_map(|i| edges(part(i).vertices).map(edge_key)).collect();
-    all.par_sort_unstable();
-    all.dedup();
+    // Each edge of each part, by its place among them.
+    let keys = active.iter().flat_map(|i| edges(part(i).vertices).map(edge_key));
+    let mut sides: Vec<(u64, u32)> = keys.zip(0..).collect();
+    sides.par_sort_unstable();
+    let mut all: Vec<u64> = Vec::with_capacity(active.len() * 2);
+    let mut place = vec![0u32; sides.len()];
+    for (key, side) in sides {
+        if all.last() != Some(&key) {
+            all.push(key);
+        }
+        place[side as usize] = index(all.len() - 1);
+    }
     let meets: Vec<Meets> =
         all.par_iter().with_min_len(256).map(|k| meets(parts, curve, tolerance, keyed_edge(*k))).collect();
     let look = |edge: [u32; 2]| all.binary_search(&edge_key(edge)).map_or(Meets::Not, |at| meets[at]);
     let mut bends: Vec<Bend> = active
         .par_iter()
+        .zip(place.par_chunks_exact(6))
         .with_min_len(256)
-        .flat_map_iter(|i| {
+        .flat_map_iter(|(i, places)| {
             let part = part(i);
-            let met = edges(part.vertices).map(look);
+            let met: [Meets; 6] = std::array::from_fn(|k| meets[places[k] as usize]);
             let faces = TET_FACES.iter().filter_map(move |&[x, y, z]| {
                 // By the vertex opposite.
                 let around = [[y, z], [z, x], [x, y]].map(|[a, b]| met[EDGE_OF[a][b]]);
@@ -121,7 +132,7 @@ fn wanted(parts: &Subdivision, curve: &Curve, tolerance: f64, active: &[u32]) ->
 const EDGE_OF: [[usize; 4]; 4] = [[0, 0, 1, 2], [0, 0, 3, 4], [1, 3, 0, 5], [2, 4, 5, 0]];
 
 fn meets(parts: &Subdivision, curve: &Curve, tolerance: f64, edge: [u32; 2]) -> Meets {
-    let [a, b] = edge.map(|v| parts.vertices[v as usize]);
+    let [a, b] = edge.map(|v| curve.see_vertex(&parts.vertices, v));
     let mut found = Vec::new();
     curve.crossings(a, b, &mut found);
     let none = if found.is_empty() { Meets::Not } else { Meets::Slightly };

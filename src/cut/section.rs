@@ -60,7 +60,7 @@ fn section_here(solid: &LappedSolid, sheet: &Sheet, tolerance: f64) -> Section {
     let cross = |key: &u64| {
         let edge = keyed_edge(*key);
         let [a, b] = edge.map(|v| mesh.vertices[v as usize]);
-        let (t, _) = sheet.crossing(a, b, tolerance);
+        let (t, _) = sheet.crossing(&mesh.vertices, edge, tolerance);
         (a + (b - a) * t, (edge, t))
     };
     let (vertices, edges): (Vec<_>, Vec<_>) = keys.par_iter().with_min_len(1024).map(cross).unzip();

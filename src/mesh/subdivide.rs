@@ -1,5 +1,8 @@
 //! Splitting edges of a tetrahedral mesh, all tetrahedra around them at once.
 
+use std::ops::Range;
+use std::sync::LazyLock;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -72,8 +75,12 @@ struct Slice {
     faces: [u8; 4],
 }
 
-/// What a run of parts divides into: how many slices each, all slices, and the parts with a bad one.
-type Batch = (Vec<u8>, Vec<Slice>, Vec<u32>);
+/// What a run of parts divides into: those that do, with how many slices each, all slices, and the splits that leave a
+/// bad one.
+type Batch = (Vec<(u32, u8)>, Vec<Slice>, Vec<u32>);
+
+/// Parts in a run.
+const BATCH: usize = 1024;
 
 impl Subdivision {
     /// All tetrahedra whole.
@@ -135,13 +142,11 @@ impl Subdivision {
             self.vertices.push(a + (b - a) * s.t);
         }
         let this = &*self;
-        let hits: Vec<u32> = (0..index(this.parts.len()))
+        let batches: Vec<Batch> = (0..this.parts.len())
             .into_par_iter()
-            .with_min_len(4096)
-            .filter(|&i| marks.of(&this.parts[i as usize]).1 > 0)
+            .step_by(BATCH)
+            .map(|from| this.slice(from..this.parts.len().min(from + BATCH), &marks, &lengths, old))
             .collect();
-        let batches: Vec<Batch> =
-            hits.par_chunks(256).map(|c| this.slice(c, &marks, &lengths, old)).collect();
         let mut bad: Vec<u32> = batches.iter().flat_map(|b| b.2.iter().copied()).collect();
         if !bad.is_empty() {
             self.vertices.truncate(old);
@@ -155,9 +160,9 @@ impl Subdivision {
         }
         self.splits.extend_from_slice(splits);
         let mut changed = Vec::new();
-        for (chunk, (counts, slices, _)) in hits.chunks(256).zip(&batches) {
+        for (hits, slices, _) in &batches {
             let mut rest = &slices[..];
-            for (&i, &count) in chunk.iter().zip(counts) {
+            for &(i, count) in hits {
                 let (mine, after) = rest.split_at(usize::from(count));
                 rest = after;
                 let was = self.parts[i as usize];
@@ -177,38 +182,39 @@ impl Subdivision {
         Ok(changed)
     }
 
-    fn slice(&self, hits: &[u32], marks: &Marks<'_>, lengths: &[f64], old: usize) -> Batch {
-        let mut counts = Vec::with_capacity(hits.len());
-        let mut slices: Vec<Slice> = Vec::with_capacity(hits.len() * 5);
+    fn slice(&self, parts: Range<usize>, marks: &Marks<'_>, lengths: &[f64], old: usize) -> Batch {
+        let mut hits = Vec::with_capacity(parts.len());
+        let mut slices: Vec<Slice> = Vec::with_capacity(parts.len() * 2);
         let mut bad = Vec::new();
-        for &i in hits {
-            let part = &self.parts[i as usize];
-            let splits = marks.splits;
+        let ways = Ways::all();
+        for (i, part) in parts.clone().zip(&self.parts[parts]) {
             let (mut list, n) = marks.of(part);
+            if n == 0 {
+                continue;
+            }
             let list = &mut list[..n];
-            let key = |s: u32| (splits[s as usize].rank, lengths[s as usize]);
-            list.sort_unstable_by(|&a, &b| {
+            let key = |s: u32| (marks.splits[s as usize].rank, lengths[s as usize]);
+            list.sort_unstable_by(|&(a, _), &(b, _)| {
                 let (x, y) = (key(a), key(b));
                 y.0.total_cmp(&x.0).then(y.1.total_cmp(&x.1)).then(a.cmp(&b))
             });
-            let start = slices.len();
-            slices.push(Slice { vertices: part.vertices, faces: part.faces });
-            for &s in &*list {
-                let split = splits[s as usize];
-                let middle = index(old) + s;
-                for k in start..slices.len() {
-                    if let Some(other) = slices[k].bisect(split, middle) {
-                        slices.push(other);
-                    }
-                }
+            let [a, b, c, d] = part.vertices;
+            let mut vertices = [a, b, c, d, NONE, NONE, NONE, NONE, NONE, NONE];
+            for &(s, edge) in &*list {
+                vertices[4 + usize::from(edge)] = index(old) + s;
             }
+            let start = slices.len();
+            slices.extend(ways.after(list.iter().map(|l| l.1)).iter().map(|slice| Slice {
+                vertices: slice.vertices.map(|v| vertices[usize::from(v)]),
+                faces: slice.faces.map(|f| if f == INNER { INNER } else { part.faces[usize::from(f)] }),
+            }));
             let flat = |s: &Slice| signed_volume(s.vertices.map(|v| self.vertices[v as usize])) <= 0.0;
             if slices[start..].iter().any(flat) {
-                bad.extend_from_slice(list);
+                bad.extend(list.iter().map(|l| l.0));
             }
-            counts.push((slices.len() - start) as u8);
+            hits.push((index(i), (slices.len() - start) as u8));
         }
-        (counts, slices, bad)
+        (hits, slices, bad)
     }
 }
 
@@ -255,18 +261,18 @@ impl<'a> Marks<'a> {
         Self { splits, touched: vec![false; vertices], first }
     }
 
-    /// The splits on a part's edges, by their places, and how many they are.
-    fn of(&self, part: &Part) -> ([u32; 6], usize) {
-        let (mut list, mut n) = ([0; 6], 0);
+    /// The splits on a part's edges, by their places, with the edges' places among the part's, and how many they are.
+    fn of(&self, part: &Part) -> ([(u32, u8); 6], usize) {
+        let (mut list, mut n) = ([(0, 0); 6], 0);
         let touched = part.vertices.map(|v| self.touched[v as usize]);
         if touched.iter().filter(|t| **t).count() < 2 {
             return (list, n);
         }
-        for (edge, [i, j]) in edges(part.vertices).into_iter().zip(PAIRS) {
+        for (k, (edge, [i, j])) in edges(part.vertices).into_iter().zip(PAIRS).enumerate() {
             if touched[i] && touched[j] {
                 let mut range = self.first[edge[0] as usize]..self.first[edge[0] as usize + 1];
                 if let Some(at) = range.find(|&s| self.splits[s as usize].edge[1] == edge[1]) {
-                    list[n] = at;
+                    list[n] = (at, k as u8);
                     n += 1;
                 }
             }
@@ -293,12 +299,65 @@ pub(crate) fn keyed_edge(key: u64) -> [u32; 2] {
     [(key >> 32) as u32, key as u32]
 }
 
-impl Slice {
-    /// If the edge is one of its own, it becomes the half at the edge's first vertex, and the other half is
-    /// returned.
-    fn bisect(&mut self, split: Split, middle: u32) -> Option<Slice> {
-        let a = self.vertices.iter().position(|&v| v == split.edge[0])?;
-        let b = self.vertices.iter().position(|&v| v == split.edge[1])?;
+/// Every way in which a tetrahedron divides when some of its edges are split one after the other: a tree with a
+/// branch for each edge that may come next.
+struct Ways {
+    /// By edge, which way it is to split that one too; 0 where it is split already.
+    next: Vec<[u16; 6]>,
+    /// What each way leaves.
+    slices: Vec<Vec<Local>>,
+}
+
+/// A slice of a tetrahedron: its vertices, of which 0 to 3 are the tetrahedron's and 4 + k lies on its k-th edge,
+/// and the faces that they lie opposite to, or [`INNER`].
+#[derive(Clone, Copy)]
+struct Local {
+    vertices: [u8; 4],
+    faces: [u8; 4],
+}
+
+impl Ways {
+    fn all() -> &'static Self {
+        static ALL: LazyLock<Ways> = LazyLock::new(Ways::new);
+        &ALL
+    }
+
+    fn new() -> Self {
+        let whole = Local { vertices: [0, 1, 2, 3], faces: [0, 1, 2, 3] };
+        let mut ways = Self { next: Vec::new(), slices: vec![vec![whole]] };
+        // Which edges each way has split, by bits.
+        let mut split = vec![0u8];
+        while let Some(slices) = ways.slices.get(ways.next.len()) {
+            let (slices, done) = (slices.clone(), split[ways.next.len()]);
+            let mut next = [0; 6];
+            for k in (0..6).filter(|k| done & 1 << k == 0) {
+                let mut more = slices.clone();
+                for n in 0..more.len() {
+                    let other = more[n].bisect(k);
+                    more.extend(other);
+                }
+                next[k] = ways.slices.len() as u16;
+                ways.slices.push(more);
+                split.push(done | 1 << k);
+            }
+            ways.next.push(next);
+        }
+        ways
+    }
+
+    /// What is left when these edges, each once, have been split in this order.
+    fn after(&self, edges: impl Iterator<Item = u8>) -> &[Local] {
+        let way = edges.fold(0, |way, edge| usize::from(self.next[way][usize::from(edge)]));
+        &self.slices[way]
+    }
+}
+
+impl Local {
+    /// If the tetrahedron's k-th edge is one of its own, it becomes the half at the edge's first vertex, and the other
+    /// half is returned.
+    fn bisect(&mut self, k: usize) -> Option<Self> {
+        let [a, b] = PAIRS[k].map(|v| self.vertices.iter().position(|&own| usize::from(own) == v));
+        let (a, b, middle) = (a?, b?, 4 + k as u8);
         // Each half swaps one vertex; the face between the halves lies opposite the vertex that stays.
         let mut other = *self;
         self.vertices[b] = middle;
@@ -306,5 +365,45 @@ impl Slice {
         other.vertices[a] = middle;
         other.faces[b] = INNER;
         Some(other)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A corner, or the middle of an edge.
+    fn at(v: u8) -> DVec3 {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
+        match usize::from(v).checked_sub(4) {
+            None => corners[usize::from(v)],
+            Some(k) => PAIRS[k].map(|i| corners[i]).into_iter().sum::<DVec3>() / 2.0,
+        }
+    }
+
+    #[test]
+    fn every_way_to_divide_fills_the_tetrahedron() {
+        let ways = Ways::all();
+        // The ordered choices of up to six edges of six.
+        assert_eq!(ways.slices.len(), 1 + 6 + 30 + 120 + 360 + 720 + 720);
+        for slices in &ways.slices {
+            let volumes = slices.iter().map(|s| signed_volume(s.vertices.map(at)));
+            assert!(volumes.clone().all(|v| v > 0.0));
+            assert!((volumes.sum::<f64>() - 1.0 / 6.0).abs() < 1e-12);
+            for slice in slices {
+                for (k, &face) in slice.faces.iter().enumerate().filter(|(_, face)| **face != INNER) {
+                    // A point of the face opposite the tetrahedron's vertex n has no share of that vertex.
+                    let share = |p: DVec3| match face {
+                        0 => 1.0 - p.element_sum(),
+                        n => p[usize::from(n) - 1],
+                    };
+                    let others = (0..4).filter(|j| *j != k).map(|j| at(slice.vertices[j]));
+                    assert!(others.into_iter().all(|p| share(p).abs() < 1e-12));
+                }
+            }
+        }
+        // Three edges at a corner leave that corner and a prism of three.
+        assert_eq!(ways.after([0, 1, 2].into_iter()).len(), 4);
+        assert_eq!(ways.after([1, 2, 3, 4].into_iter()).len(), 6);
     }
 }

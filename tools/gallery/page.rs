@@ -108,7 +108,7 @@ fn table(page: &mut String, shown: &[Shown], machine: &str) -> Result<(), Box<dy
 }
 
 /// Text in lines of at most 110 characters.
-fn wrap(page: &mut String, text: &str) -> std::fmt::Result {
+pub(crate) fn wrap(page: &mut String, text: &str) -> std::fmt::Result {
     let mut line = String::new();
     for word in text.split_whitespace() {
         if !line.is_empty() && line.chars().count() + word.chars().count() >= 110 {
@@ -123,12 +123,12 @@ fn wrap(page: &mut String, text: &str) -> std::fmt::Result {
     writeln!(page, "{line}")
 }
 
-fn count(report: &Report, name: &str) -> Result<u64, String> {
+pub(crate) fn count(report: &Report, name: &str) -> Result<u64, String> {
     let value = report.counts.get(name).or_else(|| report.measures.get(name));
     value.and_then(serde_json::Value::as_u64).ok_or_else(|| format!("the report has no '{name}'"))
 }
 
-fn number(report: &Report, name: &str) -> Result<f64, String> {
+pub(crate) fn number(report: &Report, name: &str) -> Result<f64, String> {
     let value = report.measures.get(name).or_else(|| report.seconds.get(name));
     value.and_then(serde_json::Value::as_f64).ok_or_else(|| format!("the report has no '{name}'"))
 }

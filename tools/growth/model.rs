@@ -17,7 +17,7 @@ const REGULAR: f64 = 0.117_851_130_197_757_9;
 /// Tetrahedra that a patch should lie over.
 pub(crate) const PATCH: f64 = 200.0;
 /// The side of the texture's cube over that of a cube as large as a patch: its mask fills only part of it.
-const SIDE: f64 = 0.96;
+const SIDE: f64 = 0.91;
 
 fn volume() -> f64 {
     0.5 * TAU * TAU * RING * TUBE * TUBE
@@ -67,7 +67,7 @@ pub(crate) fn strokes() -> Vec<DirectionStroke> {
         .collect()
 }
 
-/// World length of one unit of texture.
+/// World length of one unit of texture, where patches are small against the ring's tube.
 pub(crate) fn scale(tets: usize) -> f64 {
     SIDE * (PATCH * volume() / tets as f64).cbrt()
 }

@@ -6,11 +6,12 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-use lapis::cut::{CutParams, cut, section};
+use lapis::cut::{CutError, CutParams, clip, cut, section};
 use lapis::exec::{Exec, Progress};
 use lapis::field::{DirectionParams, direction_field, scale_field};
-use lapis::lap::{Fields, FillParams, LappedSolid, TextureType, fill};
+use lapis::lap::{Fields, FillParams, FillReport, LappedSolid, TextureType, fill};
 use lapis::mesh::{self, Mesher, TetMesh, TetParams};
+use lapis::volume::SolidTexture;
 use serde_json::{Value, json};
 
 use crate::model::{self, Cut};
@@ -22,6 +23,10 @@ pub(crate) const PEAK_FILE: &str = "LAPIS_GROWTH_PEAK";
 /// Cuts are repeated for this long, or this often at least.
 const CUT_SECONDS: f64 = 2.0;
 const CUT_TIMES: usize = 5;
+
+/// Up to so many tetrahedra, so many trials find the texture's scale.
+const COARSE: usize = 20_000;
+const TRIALS: usize = 4;
 
 /// Peak of this process's memory since the last [`reset`], in KiB, where the system tells.
 pub(crate) fn peak() -> Option<u64> {
@@ -121,9 +126,10 @@ pub(crate) fn run(size: usize, threads: usize, save: Option<&Path>) -> Result<Va
     stages.part("of it TetGen", made.tetgen_seconds);
     let helper_peak: Option<u64> = fs::read_to_string(&peak_file).ok().and_then(|s| s.parse().ok());
 
+    let unit = scale(size, &tets, &texture, &exec)?;
     let fields = stages.run("fields", || -> Result<Fields, Failure> {
         let direction = direction_field(&tets, &model::strokes(), None, &DirectionParams::default(), &exec)?;
-        let scale = scale_field(&tets, model::scale(size), &[], &exec)?;
+        let scale = scale_field(&tets, unit, &[], &exec)?;
         Ok(Fields { depth: None, direction: Some(direction), scale: Some(scale), ..Fields::default() })
     })?;
     let (solid, filled) = stages.run("fill", || {
@@ -149,8 +155,14 @@ pub(crate) fn run(size: usize, threads: usize, save: Option<&Path>) -> Result<Va
         let (bare, _, _) = time_cut(&without_layers(&solid), &what, &alone)?;
         cuts.insert(
             what.name,
-            json!({ "seconds": seconds, "bare_seconds": bare, "section_seconds": time_section(&solid, &what, &alone)?,
-            "triangles": report.cut_triangles, "pieces": report.pieces }),
+            json!({
+                "seconds": seconds,
+                "bare_seconds": bare,
+                "clip_seconds": time_alone(|| clip(&solid, &what.surface, &CutParams::default(), &alone))?,
+                "section_seconds": time_alone(|| section(&solid, &what.surface, &CutParams::default(), &alone))?,
+                "triangles": report.cut_triangles,
+                "pieces": report.pieces,
+            }),
         );
         if let Some(folder) = save {
             let scalar: Vec<u8> =
@@ -162,7 +174,6 @@ pub(crate) fn run(size: usize, threads: usize, save: Option<&Path>) -> Result<Va
     if let Some(folder) = save {
         save_mesh(&solid.mesh, folder)?;
     }
-    let pasted = filled.layers + filled.layers_hidden;
     Ok(json!({
         "asked": size,
         "tetrahedra": filled.tetrahedra,
@@ -171,7 +182,7 @@ pub(crate) fn run(size: usize, threads: usize, save: Option<&Path>) -> Result<Va
         "tetgen_runs": made.runs,
         "patches": filled.patches,
         "rounds": filled.rounds,
-        "tetrahedra_per_patch": pasted as f64 / filled.patches as f64,
+        "tetrahedra_per_patch": per_patch(&filled),
         "masks": solid.masks.len(),
         "measures": filled.measures,
         "bytes": bytes,
@@ -179,6 +190,27 @@ pub(crate) fn run(size: usize, threads: usize, save: Option<&Path>) -> Result<Va
         "cuts": cuts,
         "helper_peak_kib": helper_peak,
     }))
+}
+
+/// World length of one unit of texture with which a patch lies over about as many tetrahedra as it should. In a coarse
+/// mesh much of a patch lies beside the ring: there the first guess is mended by what it gives.
+fn scale(size: usize, tets: &TetMesh, texture: &Arc<SolidTexture>, exec: &Exec) -> Result<f64, Failure> {
+    let mut unit = model::scale(size);
+    for _ in 0..if size > COARSE { 0 } else { TRIALS } {
+        let direction = direction_field(tets, &model::strokes(), None, &DirectionParams::default(), exec)?;
+        let scale = Some(scale_field(tets, unit, &[], exec)?);
+        let fields = Fields { direction: Some(direction), scale, ..Fields::default() };
+        let params = FillParams::default();
+        let (_, filled) =
+            fill(tets.clone(), texture.clone(), TextureType::Type1a, &fields, &params, 1, exec)?;
+        unit *= (model::PATCH / per_patch(&filled)).cbrt();
+    }
+    Ok(unit)
+}
+
+/// Over how many tetrahedra a patch lies.
+fn per_patch(filled: &FillReport) -> f64 {
+    (filled.layers + filled.layers_hidden) as f64 / filled.patches as f64
 }
 
 /// This program as TetGen's helper, unless there is a `tetgen` program.
@@ -219,13 +251,13 @@ fn time_cut(
     Ok((seconds, peak(), last.unwrap_or_default()))
 }
 
-/// The median of the seconds that the surface alone takes.
-fn time_section(solid: &LappedSolid, what: &Cut, exec: &Exec) -> Result<f64, Failure> {
+/// The median of the seconds that something less than a cut takes.
+fn time_alone<T>(work: impl Fn() -> Result<T, CutError>) -> Result<f64, Failure> {
     median(|| {
         let start = Instant::now();
-        let section = section(solid, &what.surface, &CutParams::default(), exec)?;
+        let made = work()?;
         let seconds = start.elapsed().as_secs_f64();
-        drop(section);
+        drop(made);
         Ok(seconds)
     })
 }

@@ -9,7 +9,7 @@ use proptest::test_runner::RngSeed;
 
 use super::*;
 use crate::lap::Patch;
-use crate::mesh::{FaceOrigin, TetMesh};
+use crate::mesh::{FaceOrigin, TetMesh, signed_volume};
 use crate::view::{meeting, turn};
 use crate::volume::{AlphaMask, SolidTexture};
 use check::check;
@@ -283,6 +283,51 @@ fn a_section_is_what_the_cut_opens() {
     let none =
         section(&solid, &plane([0.0, 0.0, 1.0], 9.0), &CutParams::default(), &Exec::default()).unwrap();
     assert!(none.mesh.vertices.is_empty() && none.tets.is_empty());
+}
+
+#[test]
+fn a_clip_is_the_cut_without_its_pieces() {
+    let solid = solid(5, true, 0.1, 3);
+    for surface in [plane([0.3, 0.2, 1.0], 0.07), plane([0.0, 0.0, 1.0], 0.0), wave(0.2, 2.0, 60)] {
+        let sides = clip(&solid, &surface, &CutParams::default(), &Exec::default()).unwrap();
+        let (pieces, report) = made(&solid, &surface);
+        let volume = |vertices: &[DVec3], tet: &[u32; 4]| signed_volume(tet.map(|v| vertices[v as usize]));
+        for side in &sides {
+            assert!(side.vertices.len() == side.depth.len() && side.tets.len() == side.parents.len());
+            assert!(side.tets.iter().all(|tet| volume(&side.vertices, tet) > 0.0));
+            // Depth is linear within the model's tetrahedra.
+            for (tet, &parent) in side.tets.iter().zip(&side.parents) {
+                let own = solid.mesh.tets[parent as usize].map(|v| solid.depth[v as usize]);
+                let (least, most) = own.iter().fold((f64::MAX, f64::MIN), |(a, b), d| (a.min(*d), b.max(*d)));
+                let within = (least - 1e-12)..=(most + 1e-12);
+                assert!(tet.iter().all(|v| within.contains(&side.depth[*v as usize])));
+            }
+        }
+        // The same tetrahedra as the pieces have.
+        let all = |list: &mut dyn Iterator<Item = f64>| {
+            let mut volumes: Vec<f64> = list.collect();
+            volumes.sort_by(f64::total_cmp);
+            volumes
+        };
+        let ours = all(&mut sides.iter().flat_map(|s| s.tets.iter().map(|t| volume(&s.vertices, t))));
+        let theirs =
+            all(&mut pieces.iter().flat_map(|p| (0..p.mesh.tets.len()).map(|t| p.mesh.tet_volume(t))));
+        assert_eq!(ours.len(), theirs.len());
+        assert!(ours.iter().zip(&theirs).all(|(a, b)| (a - b).abs() <= 1e-9 * b));
+        if let CutSurface::Plane { normal, offset } = &surface {
+            let above = |p: &DVec3| normal.dot(*p) - offset;
+            assert!(sides[0].vertices.iter().all(|p| above(p) < 1e-3));
+            assert!(sides[1].vertices.iter().all(|p| above(p) > -1e-3));
+            let positive: f64 = sides[1].tets.iter().map(|t| volume(&sides[1].vertices, t)).sum();
+            assert!(report.volumes.iter().any(|v| (v / positive - 1.0).abs() < 1e-9));
+        }
+    }
+    let [below, above] =
+        clip(&solid, &plane([0.0, 0.0, 1.0], 9.0), &CutParams::default(), &Exec::default()).unwrap();
+    assert!(above.tets.is_empty());
+    for (t, tet) in below.tets.iter().enumerate() {
+        assert_eq!(tet.map(|v| below.vertices[v as usize]), solid.mesh.corners(t));
+    }
 }
 
 #[test]
