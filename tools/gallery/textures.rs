@@ -127,7 +127,7 @@ fn trunk(p: DVec3) -> DVec3 {
 
 /// A colour for each place, and lines at quarters along each axis.
 fn map(p: DVec3) -> DVec3 {
-    let line = |x: f64| step(0.018, 0.008, ((x * 4.0 + 0.5).rem_euclid(1.0) - 0.5).abs() / 4.0);
+    let line = |x: f64| step(0.016, 0.006, ((x * 4.0).rem_euclid(1.0) - 0.5).abs() / 4.0);
     let colour = DVec3::splat(0.2) + 0.75 * p;
     colour.lerp(DVec3::splat(0.05), line(p.x).max(line(p.y)).max(line(p.z)))
 }

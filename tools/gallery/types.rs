@@ -146,7 +146,7 @@ fn arc(side: DVec3) -> String {
 /// A cross about an end of an axis.
 fn end(of: DVec3) -> String {
     let (a, b) = of.any_orthonormal_pair();
-    stroke(&[of + 0.4 * a, of - 0.4 * a, of + 0.4 * b, of - 0.4 * b])
+    stroke(&[of + 0.1 * a, of - 0.1 * a, of + 0.1 * b, of - 0.1 * b])
 }
 
 /// A field that rises from one end of an axis to the other.
@@ -189,6 +189,6 @@ fn project_file(kind: TextureType) -> String {
     }
     text += "[[cut]]\nname = \"open\"\nplane = [0.5, -0.35, 0.8, 0.05]\n\n\
              [[picture]]\nname = \"whole\"\nfrom = [0.9, -1.2, 0.8]\nrender.width = 600\nrender.height = 600\n\n\
-             [[picture]]\nname = \"cut\"\nshow = [\"open/2\"]\nfrom = [0.9, -1.2, 0.8]\nrender.width = 600\nrender.height = 600\n";
+             [[picture]]\nname = \"cut\"\nshow = [\"open/1\"]\nfrom = [0.9, -1.2, 0.8]\nrender.width = 600\nrender.height = 600\n";
     text
 }
