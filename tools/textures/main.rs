@@ -1,0 +1,175 @@
+//! Solid textures of twelve photographs: a contact sheet of each, and tables of measures.
+//!
+//!     cargo run --release --example textures -- FOLDER OUT [--size N] [NAME…]
+//!
+//! FOLDER holds the photographs by the names below; OUT gets NAME.png (the photograph, slices across x, y and z, an
+//! oblique slice, the volume as a cube), NAME.nrrd, and tables.md. With names, only these are made. The ablations are
+//! made of one photograph, as in Figure 6 of Chen & Wang 2010.
+
+#[path = "../gallery/cube.rs"]
+mod cube;
+mod sheet;
+mod table;
+
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use lapis::assess::{AssessParams, Assessment, assess};
+use lapis::exec::Exec;
+use lapis::files::write_whole;
+use lapis::photo::{self, Photograph};
+use lapis::synthesis::{
+    Axis, Exemplar, Exemplars, Size, Synthesis, SynthesisParams, SynthesisReport, synthesise,
+};
+use lapis::volume;
+
+/// A photograph, and which slices it is for.
+struct Source {
+    name: &'static str,
+    file: &'static str,
+    axes: [bool; 3],
+    varying: bool,
+}
+
+const ALL: [bool; 3] = [true; 3];
+/// Upright in the photograph: y is down, and what lies across it is left to itself.
+const UPRIGHT: [bool; 3] = [true, false, true];
+
+const SOURCES: [Source; 12] = [
+    Source { name: "brick", file: "acg_brick_Bricks004.png", axes: UPRIGHT, varying: false },
+    Source { name: "stone-wall", file: "acg_stonewall_Rocks004.png", axes: ALL, varying: false },
+    Source { name: "pebbles", file: "acg_pebbles_Rocks022.png", axes: ALL, varying: false },
+    Source { name: "marble", file: "acg_marble_Marble012.png", axes: ALL, varying: false },
+    Source { name: "granite", file: "acg_granite_Granite001A.png", axes: ALL, varying: false },
+    Source { name: "wood", file: "acg_wood_Wood003.png", axes: UPRIGHT, varying: false },
+    Source { name: "rust", file: "acg_rust_Rust005.png", axes: ALL, varying: false },
+    Source { name: "cork", file: "acg_cork_Cork003.png", axes: ALL, varying: false },
+    Source { name: "cells", file: "morpholibj_plantcells_apple_parenchyma.png", axes: ALL, varying: false },
+    Source { name: "gravel", file: "acg_gravel_Gravel022.png", axes: ALL, varying: false },
+    Source { name: "terrazzo", file: "acg_terrazzo_Terrazzo006.png", axes: ALL, varying: false },
+    Source {
+        name: "travertine",
+        file: "acg_travertine_layered_Travertine001.png",
+        axes: UPRIGHT,
+        varying: true,
+    },
+];
+
+/// The photograph of the ablations.
+const ABLATED: &str = "pebbles";
+
+/// What was made of a photograph.
+pub(crate) struct Made {
+    pub(crate) name: String,
+    pub(crate) report: SynthesisReport,
+    pub(crate) found: Assessment,
+    /// Seconds of the synthesis.
+    pub(crate) seconds: f64,
+}
+
+struct Arguments {
+    folder: PathBuf,
+    out: PathBuf,
+    size: u32,
+    names: Vec<String>,
+}
+
+fn arguments() -> Option<Arguments> {
+    let mut rest = std::env::args().skip(1);
+    let mut found =
+        Arguments { folder: rest.next()?.into(), out: rest.next()?.into(), size: 128, names: Vec::new() };
+    while let Some(argument) = rest.next() {
+        if argument == "--size" {
+            found.size = rest.next()?.parse().ok()?;
+        } else {
+            found.names.push(argument);
+        }
+    }
+    Some(found)
+}
+
+fn main() -> ExitCode {
+    let Some(arguments) = arguments() else {
+        eprintln!("usage: textures FOLDER OUT [--size N] [NAME…]");
+        return ExitCode::from(2);
+    };
+    match make(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(e) => {
+            eprintln!("{e}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn make(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let Arguments { folder, out, size, names } = arguments;
+    fs::create_dir_all(out)?;
+    let params = |source: &Source| SynthesisParams {
+        size: Size([*size; 3]),
+        varying: source.varying.then_some(Axis::Y),
+        ..SynthesisParams::default()
+    };
+    let wanted = |name: &str| names.is_empty() || names.iter().any(|n| n == name);
+    let mut made = Vec::new();
+    for source in SOURCES.iter().filter(|s| wanted(s.name)) {
+        let photo = photo::read(&folder.join(source.file))?;
+        let (one, synthesis) = one(source.name, source, &photo, &params(source))?;
+        let file = out.join(format!("{}.nrrd", source.name));
+        write_whole(&file, &volume::to_nrrd(&synthesis.texture))?;
+        sheet(&synthesis, &file, &out.join(format!("{}.png", source.name)))?;
+        made.push(one);
+    }
+    let mut ablated = Vec::new();
+    for source in SOURCES.iter().filter(|s| s.name == ABLATED && wanted("ablations")) {
+        let photo = photo::read(&folder.join(source.file))?;
+        let all = [
+            ("both histograms", true, true),
+            ("no index histogram", false, true),
+            ("no position histogram", true, false),
+            ("neither", false, false),
+        ];
+        for (name, index_histogram, position_histogram) in all {
+            let params = SynthesisParams { index_histogram, position_histogram, ..params(source) };
+            let (one, synthesis) = one(name, source, &photo, &params)?;
+            let file = out.join("ablated.nrrd");
+            write_whole(&file, &volume::to_nrrd(&synthesis.texture))?;
+            sheet(&synthesis, &file, &out.join(format!("ablated-{}.png", name.replace(' ', "-"))))?;
+            fs::remove_file(&file)?;
+            ablated.push(one);
+        }
+    }
+    write_whole(&out.join("tables.md"), table::tables(&made, &ablated).as_bytes())?;
+    Ok(())
+}
+
+/// Makes and assesses a volume.
+fn one(
+    name: &str,
+    source: &Source,
+    photo: &Photograph,
+    params: &SynthesisParams,
+) -> Result<(Made, Synthesis), Box<dyn Error>> {
+    let exec = Exec::default();
+    let directions = source.axes.map(|given| given.then_some(0));
+    let exemplars = Exemplars { photos: vec![Exemplar::new(photo)], directions };
+    let start = Instant::now();
+    let synthesis = synthesise(&exemplars, params, 0, &exec, &mut |_| ())?;
+    let seconds = start.elapsed().as_secs_f64();
+    // Against the photograph at the size that it was worked with.
+    let worked = &synthesis.photos[0];
+    let of_axis = directions.map(|d| d.map(|_| worked));
+    let found = assess(&synthesis.texture, of_axis, &AssessParams::default(), 0, &exec)?;
+    let made = Made { name: name.to_owned(), report: synthesis.report.clone(), found, seconds };
+    eprintln!("{}", table::row(&made));
+    Ok((made, synthesis))
+}
+
+/// The contact sheet.
+fn sheet(synthesis: &Synthesis, volume: &Path, to: &Path) -> Result<(), Box<dyn Error>> {
+    let cube = cube::picture(volume, &Exec::default())?;
+    Ok(write_whole(to, &sheet::png(synthesis, &cube))?)
+}

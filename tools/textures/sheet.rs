@@ -1,0 +1,65 @@
+//! A contact sheet: pictures beside each other.
+
+use glam::{DVec3, UVec3};
+use lapis::colour::encode;
+use lapis::render::Picture;
+use lapis::synthesis::{Axis, Synthesis};
+
+/// The side of a picture on the sheet, and the gap between two, in pixels.
+const SIDE: u32 = 256;
+const GAP: u32 = 6;
+
+/// The photograph, the middle slices across x, y and z, an oblique slice, and the cube.
+pub(crate) fn png(synthesis: &Synthesis, cube: &Picture) -> Vec<u8> {
+    let texture = &synthesis.texture;
+    let photo = &synthesis.photos[0];
+    let size = UVec3::from(texture.size());
+    let at = |axis: Axis, u: f64, v: f64| {
+        let mut p = size.as_dvec3() * 0.5;
+        p[axis.right().index()] = u * f64::from(size[axis.right().index()]);
+        p[axis.down().index()] = v * f64::from(size[axis.down().index()]);
+        let p = p.as_uvec3().min(size - 1);
+        texture.voxel(p.x, p.y, p.z)
+    };
+    let photograph = |u: f64, v: f64| {
+        let [w, h] = photo.size();
+        // As many pixels as a slice has voxels, where the photograph has them.
+        let pixel = |t: f64, n: u32| ((t * f64::from(n)) as u32).min(n - 1);
+        photo.pixel(pixel(u, w), pixel(v, h))
+    };
+    // Through the middle, aslant to all axes.
+    let normal = DVec3::new(0.48, 0.62, 0.62).normalize();
+    let (right, down) =
+        (DVec3::Y.cross(normal).normalize(), normal.cross(DVec3::Y.cross(normal)).normalize());
+    let oblique = |u: f64, v: f64| {
+        let p = DVec3::splat(0.5) + (right * (u - 0.5) + down * (v - 0.5)) * 0.8;
+        encode(texture.sample(p.as_vec3().to_array()))
+    };
+    let small = |u: f64, v: f64| {
+        let pixel = |t: f64, n: u32| ((t * f64::from(n)) as u32).min(n - 1);
+        cube.pixel(pixel(u, cube.width), pixel(v, cube.height))
+    };
+    let pictures: [&dyn Fn(f64, f64) -> [u8; 4]; 6] = [
+        &photograph,
+        &|u, v| at(Axis::X, u, v),
+        &|u, v| at(Axis::Y, u, v),
+        &|u, v| at(Axis::Z, u, v),
+        &oblique,
+        &small,
+    ];
+    let width = 6 * SIDE + 5 * GAP;
+    let mut rgba = vec![[255; 4]; (width * SIDE) as usize];
+    for (n, picture) in pictures.iter().enumerate() {
+        for y in 0..SIDE {
+            for x in 0..SIDE {
+                let place = |t: u32| (f64::from(t) + 0.5) / f64::from(SIDE);
+                let to = (y * width + n as u32 * (SIDE + GAP) + x) as usize;
+                let [r, g, b, a] = picture(place(x), place(y));
+                if a > 0 {
+                    rgba[to] = [r, g, b, 255];
+                }
+            }
+        }
+    }
+    Picture { width, height: SIDE, rgba }.to_png()
+}
