@@ -12,7 +12,9 @@ from PIL import Image
 
 # Quarters of the picture: red, green above; yellow, white below.
 QUARTERS = np.array([[[210, 30, 30], [30, 180, 40]], [[230, 210, 40], [250, 250, 250]]], dtype=np.uint8)
-BLUE = [30, 40, 200]
+# Factors of glTF are linear light; pictures are sRGB.
+FACTOR = [30, 40, 200]
+BLUE = [round(255 * (1.055 * (x / 255) ** (1 / 2.4) - 0.055)) for x in FACTOR]
 
 
 def picture_at(points):
@@ -31,7 +33,7 @@ def write(path):
             material = trimesh.visual.material.PBRMaterial(name=name, baseColorTexture=picture, metallicFactor=0)
             mesh.visual = trimesh.visual.TextureVisuals(uv=picture_at(mesh.vertices), material=material)
         else:
-            material = trimesh.visual.material.PBRMaterial(name=name, baseColorFactor=[*BLUE, 255])
+            material = trimesh.visual.material.PBRMaterial(name=name, baseColorFactor=[*FACTOR, 255])
             mesh.visual = trimesh.visual.TextureVisuals(uv=np.zeros((len(mesh.vertices), 2)), material=material)
         scene.add_geometry(mesh, node_name=name, geom_name=name)
     scene.export(path)
@@ -51,7 +53,8 @@ def check(path, cut):
     y = np.clip(((1 - uv[:, 1]) * image.height).astype(int), 0, image.height - 1)
     found = atlas[y, x]
     middles = mesh.triangles_center
-    outside = np.linalg.norm(middles, axis=1) > 0.97
+    # A cut's faces at the rim lie as far out, but face another way.
+    outside = (np.linalg.norm(middles, axis=1) > 0.97) & ((mesh.face_normals * middles).sum(axis=1) > 0.9)
     # The picture stands upright: v runs up in it, rows run down.
     u, v = picture_at(middles).T
     wanted = QUARTERS[(v < 0.5).astype(int), (u >= 0.5).astype(int)].astype(int)
