@@ -4,7 +4,7 @@
 //!
 //! | room | makes |
 //! |---|---|
-//! | [`exec`], [`files`], [`colour`], [`solve`] | progress and cancelling, whole-or-not-at-all files, sRGB, sparse solves |
+//! | [`exec`], [`files`], [`colour`], [`number`], [`solve`] | progress and cancelling, whole-or-not-at-all files, sRGB, numbers in messages, sparse solves |
 //! | [`view`] | cameras and strokes on their screen |
 //! | [`mesh`] | [`mesh::TriMesh`] from files, [`mesh::TetMesh`] from it |
 //! | [`photo`] | [`photo::Photograph`] from files |
@@ -28,6 +28,7 @@ pub mod field;
 pub mod files;
 pub mod lap;
 pub mod mesh;
+pub mod number;
 pub mod paint;
 pub mod photo;
 pub mod project;

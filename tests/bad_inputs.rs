@@ -207,7 +207,7 @@ fn volumes_and_settings() {
             (&rest("--type 0 --scale 1 --threads 0"), 2, &["--threads"]),
             (&rest("--type 0 --scale 1 --spacing -3"), 2, &["spacing"]),
             // Millions of patches are refused with the estimate.
-            (&rest("--type 0 --scale 1e-4 --tets 2000"), 1, &["patches"]),
+            (&rest("--type 0 --scale 1e-3 --tets 2000"), 1, &["patches"]),
             (&rest("--type 0 --scale 1e-200"), 1, &[]),
             ("fill ball.obj", 2, &["--texture"]),
             ("frobnicate", 2, &["frobnicate"]),
@@ -357,6 +357,15 @@ fn paint() {
         (fill("at = 3"), vec!["[x, y, z]"]),
         (fill("at = [1, 0, 0]\nangle_deg = 0"), vec!["depth.fill[0].angle_deg = 0", "degrees"]),
         (fill("at = [1, 0, 0]\nfrom = [1, 0, 0]"), vec!["depth.fill[0]", "`from`"]),
+        // Two depths at one place, and a depth of which nothing is left, by both keys.
+        (
+            depth("points = [[-0.3, 0, 0.1], [0.3, 0, 0.1]]"),
+            vec!["depth.stroke[1]", "says 0.6", "`depth.stroke[0]` says 1", "remove one"],
+        ),
+        (
+            face("at = [1, 0.2, 0.1]") + "[[depth.face]]\ndepth = 0.5\nat = [1, 0.2, 0.1]\n",
+            vec!["depth.face[0]", "nothing is left of its depth 0.6", "`depth.face[1]`"],
+        ),
         (direction("points = [[0.6, 0, 0], [0.9, 0, 0]]"), vec!["direction.stroke[1]", "gradient", "layer"]),
         // Also where it leaves the model.
         (direction("points = [[0.5, 0, 0], [1.6, 0, 0]]"), vec!["direction.stroke[1]", "gradient", "layer"]),
@@ -441,7 +450,7 @@ fn scales_and_directions_of_fibres() {
     let bench = painted_bench();
     let head = "[mesh]\nfile = \"t.node\"\n[texture]\nvolume = \"volume.nrrd\"\ntype = \"1a\"\n[scale]\neverywhere = 1\n";
     let along = "[direction]\nconstant = [0, 0, 1]\n";
-    let at = |place: &str, scale: f64| format!("[[scale.at]]\n{place}\nscale = {scale}\n");
+    let at = |place: &str, scale: f64| format!("[[scale.at]]\n{place}\nscale = {scale:?}\n");
     for (more, words) in [
         (
             at("point = [0, 0, 0]", 0.5) + &at("point = [0, 0, 0.01]", 0.8),
@@ -452,10 +461,38 @@ fn scales_and_directions_of_fibres() {
         (at("point = [0, 0, 0]", -1.0), &["scale.at[0].scale = -1", "greater than 0"]),
         (at("point = [9, 0, 0]", 0.5), &["scale.at[0]", "bounding box"]),
         (at("pick = [0.01, 0.01]", 0.5), &["scale.at[0]", "nothing"]),
+        (at("point = [0, 0, 0]", 1e300), &["scale.at[0]", "1e300", "not one voxel"]),
+        (at("point = [0, 0, 0]", 1e-30), &["scale.at[0]", "1e-30", "or more"]),
         (at("", 0.5), &["scale.at[0]", "exactly one of `point` and `pick`"]),
         (at("point = [0, 0, 0]\nfrom = [1, 0, 0]", 0.5), &["scale.at[0]", "`from`"]),
     ] {
         bench.file("p.toml", format!("{head}{more}{along}"));
+        bench.run("run p.toml").refused(1, words);
+    }
+    // Scales with which nothing could be filled, settings that would do nothing.
+    let grain = format!("{head}{along}");
+    for (right, wrong, words) in [
+        (
+            "everywhere = 1",
+            "everywhere = 1e300",
+            &["scale.everywhere", "1e300", "not one voxel", "as large as the model"][..],
+        ),
+        ("everywhere = 1", "everywhere = 1e-300", &["scale.everywhere", "1e-300", "choose a scale of"]),
+        // Less than one voxel of this volume.
+        ("everywhere = 1", "everywhere = 9000", &["very large", "less than one voxel", "would show it once"]),
+        (
+            "constant = [0, 0, 1]",
+            "constant = [0, 0, 1]\n[direction.smooth]\nline_field = true",
+            &["direction.smooth", "constant", "leave it out"],
+        ),
+        (
+            "file = \"t.node\"",
+            "file = \"t.node\"\nrefine_singular = 1",
+            &["refine_singular", "constant direction", "leave it out"],
+        ),
+    ] {
+        assert!(grain.contains(right), "{right}");
+        bench.file("p.toml", grain.replacen(right, wrong, 1));
         bench.run("run p.toml").refused(1, words);
     }
     let layer = "[[direction.stroke]]\nscreen = [[0.4, 0.5], [0.6, 0.5]]\nlayer = 0.5\n";
@@ -467,6 +504,16 @@ fn scales_and_directions_of_fibres() {
     refused(
         &bench,
         &[
+            (
+                "fill t.node --texture volume.nrrd --type 0 --scale 1 --refine-singular 2 -o out.lapis",
+                1,
+                &["refine_singular", "--refine-singular", "type 0 has no frames"],
+            ),
+            (
+                "fill t.node --texture volume.nrrd --type 0 --scale 1e300 -o out.lapis",
+                1,
+                &["--scale", "not one voxel"],
+            ),
             (&rest("--core 9,9,9 --direction 0,0,1"), 1, &["--core", "outside the mesh"]),
             (&rest("--core 0,0,0 --skin 1 --direction 0,0,1"), 1, &["depth", "two"]),
             ("cut m.lapis --stroke empty.svg -o pieces", 1, &["empty.svg", "no line"]),

@@ -93,8 +93,15 @@ fn what_is_painted_shows_before_it_is_filled() {
     assert!(whole.difference(&half).unwrap().max > 0);
     let centre = half.pixel(48, 48);
     assert!(centre[2] > centre[0], "blue is innermost: {centre:?}");
-    let direction = picture("p.toml --show direction --piece half --apart 1");
-    assert_ne!(direction, half);
+    // Pieces moved apart: background between them, glyphs on both, in blue where they run along z.
+    let direction = picture("p.toml --show direction --piece half --apart 1 --from 0,-1,0.3");
+    let glyphs =
+        |p: &[u8; 4]| i32::from(p[2]) > i32::from(p[0]) + 40 && i32::from(p[2]) > i32::from(p[1]) + 40;
+    let count = direction.rgba.iter().filter(|p| glyphs(p)).count();
+    assert!(count > 40, "{count} pixels of glyphs along z");
+    let together = picture("p.toml --show direction --piece half --from 0,-1,0.3");
+    let solid = |picture: &Picture| picture.rgba.iter().filter(|p| **p != [255; 4]).count();
+    assert!(solid(&direction) < solid(&together), "apart they look smaller");
     bench.run("render p.toml -o q.png").refused(1, &["not-painted-yet.nrrd"]);
     bench.run("render p.toml --show patches -o q.png").refused(1, &["not-painted-yet.nrrd"]);
 
@@ -108,7 +115,16 @@ fn what_is_painted_shows_before_it_is_filled() {
     bench.ok("run p.toml");
     assert!(bench.read("out/p/d.png") == whole.to_png(), "the picture of a run is that of the command");
     let drawn = picture("out/p/p.lapis --show depth");
-    assert!(drawn.difference(&whole).unwrap().mean < 1.0);
+    assert!(drawn == whole, "a filled model shows the same, its strokes too");
+    // A layer, whole and of a piece, filled and not; the camera is that of the whole.
+    for layered in ["--show depth --layer 0.5", "--show direction --layer 0.3"] {
+        let painted = picture(&format!("p.toml {layered}"));
+        assert!(painted == picture(&format!("out/p/p.lapis {layered}")), "{layered}");
+        assert!(solid(&painted) > 500 && solid(&painted) < solid(&whole), "{layered}: within the whole");
+    }
+    let textured = picture("out/p/p.lapis --layer 0.5");
+    assert!(textured != picture("out/p/p.lapis"));
+    picture("p.toml --show depth --layer 0.5 --piece half/1");
     for show in ["layers", "patches"] {
         assert!(
             picture(&format!("p.toml --show {show}")) == picture(&format!("out/p/p.lapis --show {show}"))
@@ -128,6 +144,11 @@ fn what_cannot_be_shown_is_said() {
     );
     for (arguments, code, words) in [
         ("grain.toml --show depth", 1, &["type 1a has no depth"][..]),
+        ("grain.toml --layer 0.5", 1, &["`layer`", "type 1a has no depth"]),
+        ("p.toml --show along", 1, &["'along'", "2c and 2d"]),
+        ("p.toml --show depth --layer 1.5", 2, &["1.5", "between 0"]),
+        ("p.toml --show singularities --layer 0.5", 2, &["on no layer"]),
+        ("ball.obj --layer 0.5", 2, &["--layer", "nothing is painted on a mesh"]),
         ("p.toml --show depht", 2, &["depht", "depth"]),
         ("p.toml --show depth --piece hlaf/1", 1, &["--piece", "'hlaf/1'", "'half/1'"]),
         ("p.toml --show depth --piece half/7", 1, &["--piece", "half/7", "2 pieces"]),

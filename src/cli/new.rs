@@ -41,7 +41,30 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         session.exec().check()?;
         output.publish(|_| args.shared.force)?;
         let project = folder.join(&files[0].0);
-        report.notes.push(format!("next: lapis run {}", project.display()));
+        report.notes.push(format!("next: lapis run {}", quoted(&project.display().to_string())));
         session.finish(report)
     })
+}
+
+/// A path as a shell takes it for one word.
+fn quoted(path: &str) -> String {
+    let plain = |c: char| c.is_alphanumeric() || "/\\:._-+=@%,".contains(c);
+    if !path.is_empty() && path.chars().all(plain) {
+        return path.to_owned();
+    }
+    // Of Windows' shells none knows single quotes, and no path there has double ones.
+    if cfg!(windows) { format!("\"{path}\"") } else { format!("'{}'", path.replace('\'', r"'\''")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn a_path_is_one_word() {
+        assert_eq!(quoted("a/b-c.toml"), "a/b-c.toml");
+        assert_eq!(quoted("sp ace/a.toml"), "'sp ace/a.toml'");
+        assert_eq!(quoted("it's $x.toml"), r"'it'\''s $x.toml'");
+    }
 }

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use lapis::exec::{CancelToken, Exec};
 use lapis::mesh::Mesher;
+use lapis::number::Short;
 use lapis::project::Report;
 use serde_json::{Map, Value};
 
@@ -166,7 +167,7 @@ fn plain(value: &Value) -> String {
         Value::String(s) => s.clone(),
         Value::Number(n) if n.is_f64() => {
             let x = n.as_f64().unwrap_or(f64::NAN);
-            if x != 0.0 && !(1e-3..1e6).contains(&x.abs()) { format!("{x:.3e}") } else { trimmed(x) }
+            if x != 0.0 && !(1e-3..1e6).contains(&x.abs()) { Short(x).to_string() } else { trimmed(x) }
         }
         Value::Array(all) => all.iter().map(plain).collect::<Vec<_>>().join(" "),
         value => value.to_string(),
@@ -194,7 +195,7 @@ mod tests {
         report.notes.push("the mesh was cleaned".to_owned());
         assert_eq!(
             summary(&report),
-            "wrote a.lapis\nnote: the mesh was cleaned\n  tets  12\n  deviation    1.000e-9\n  layers_mean  3.25\n"
+            "wrote a.lapis\nnote: the mesh was cleaned\n  tets  12\n  deviation    1e-9\n  layers_mean  3.25\n"
         );
     }
 }

@@ -11,7 +11,7 @@ use lapis::project::{
     MadePart, Model, Models, OutputFile, PartMesh, Project, Report, apart, fill_part, is_tet_file,
     painted_part, tet_mesh,
 };
-use lapis::render::{Mark, PictureSize, RenderParams, Show, frame_all, frame_all_from, render_marked};
+use lapis::render::{PictureSize, RenderParams, Show, frame_all, frame_all_from, render};
 use lapis::view::read_camera;
 
 use super::failure::Failure;
@@ -74,7 +74,7 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         params.validate().map_err(|e| Failure::usage(e.to_string()))?;
         let output = OutputFile::check(&args.output, args.shared.force)?;
 
-        let Subject { solids, marks, mut report } = subject(args, params.show, session)?;
+        let Subject { solids, mut report } = subject(args, &params, session)?;
         let start = Instant::now();
         let placed = apart(&solids.iter().collect::<Vec<_>>(), args.apart);
         let aspect = f64::from(params.width) / f64::from(params.height);
@@ -82,7 +82,7 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
             Some(from) => frame_all_from(&placed, aspect, from),
             None => frame_all(&placed, aspect),
         });
-        let picture = render_marked(&placed, &marks, &camera, &params, session.exec())
+        let picture = render(&placed, &camera, &params, session.exec())
             .map_err(Failure::because("cannot draw the picture"))?;
         report.took("render", start);
         session.exec().check()?;
@@ -98,12 +98,11 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
 /// What is drawn.
 struct Subject {
     solids: Vec<LappedSolid>,
-    marks: Vec<Mark>,
     report: Report,
 }
 
 /// Reads the models, or makes those of a project or a mesh.
-fn subject(args: &Args, show: Show, session: &Session) -> Result<Subject, Failure> {
+fn subject(args: &Args, params: &RenderParams, session: &Session) -> Result<Subject, Failure> {
     let is_toml = |p: &PathBuf| p.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
     let made = args.models.iter().find(|p| is_toml(p) || is_mesh(p));
     if !args.piece.is_empty() && !args.models.iter().all(is_toml) {
@@ -114,14 +113,14 @@ fn subject(args: &Args, show: Show, session: &Session) -> Result<Subject, Failur
             "{} is drawn alone: give one project file, or one mesh, or any number of .lapis models",
             path.display()
         ))),
-        Some(path) if is_toml(path) => project(path, args, show, session),
-        Some(path) => mesh(path, show, session),
+        Some(path) if is_toml(path) => project(path, args, params, session),
+        Some(path) => mesh(path, params, session),
         None => {
             let mut report = Report::default();
             let start = Instant::now();
             let solids = args.models.iter().map(|p| read_model(p)).collect::<Result<Vec<_>, _>>()?;
             report.took("read", start);
-            Ok(Subject { solids, marks: Vec::new(), report })
+            Ok(Subject { solids, report })
         }
     }
 }
@@ -132,15 +131,15 @@ fn is_mesh(path: &Path) -> bool {
 }
 
 /// A project: filled where the picture shows how it is lapped, else as it is painted.
-fn project(path: &Path, args: &Args, show: Show, session: &Session) -> Result<Subject, Failure> {
+fn project(path: &Path, args: &Args, params: &RenderParams, session: &Session) -> Result<Subject, Failure> {
     let exec = session.exec();
     let project = Project::read(path)?;
     let what = "cannot draw the picture";
-    show.check(project.part.kind).map_err(Failure::because(what))?;
+    params.check(project.part.kind).map_err(Failure::because(what))?;
     let pieces: Vec<Model> =
         args.piece.iter().map(|word| project.model("--piece", word)).collect::<Result<_, _>>()?;
     let seed = args.shared.seed.unwrap_or(project.seed);
-    let MadePart { solid: whole, marks, mut report } = if show.needs_fill() {
+    let MadePart { solid: whole, mut report } = if params.show.needs_fill() {
         fill_part(&project.part, seed, &Session::mesher(), exec)?
     } else {
         painted_part(&project.part, &Session::mesher(), exec)?
@@ -152,21 +151,23 @@ fn project(path: &Path, args: &Args, show: Show, session: &Session) -> Result<Su
         report.join(cuts);
         models.shown(&pieces, || "--piece".to_owned())?.into_iter().cloned().collect()
     };
-    Ok(Subject { solids, marks, report })
+    Ok(Subject { solids, report })
 }
 
 /// A mesh with nothing painted on it.
-fn mesh(path: &Path, show: Show, session: &Session) -> Result<Subject, Failure> {
-    if show != Show::Texture {
+fn mesh(path: &Path, params: &RenderParams, session: &Session) -> Result<Subject, Failure> {
+    let show = params.show;
+    if show != Show::Texture || params.layer.is_some() {
+        let option = if show == Show::Texture { "--layer".to_owned() } else { format!("--show {show}") };
         return Err(Failure::usage(format!(
-            "--show {show}: nothing is painted on a mesh; write a project file that names it (lapis new shows one)"
+            "{option}: nothing is painted on a mesh; write a project file that names it (lapis new shows one)"
         )));
     }
-    let params = TetParams { keep_surface: true, ..TetParams::default() };
+    let tets = TetParams { keep_surface: true, ..TetParams::default() };
     let (PartMesh { mesh, surface, wear }, report) =
-        tet_mesh(path, &params, &Session::mesher(), session.exec())?;
+        tet_mesh(path, &tets, &Session::mesher(), session.exec())?;
     // A mesh that wears nothing is drawn plain.
     let look = Look::new(surface, &wear).ok().map(Arc::new);
     let solid = LappedSolid { look, ..bare(mesh) };
-    Ok(Subject { solids: vec![solid], marks: Vec::new(), report })
+    Ok(Subject { solids: vec![solid], report })
 }

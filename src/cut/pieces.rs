@@ -1,12 +1,11 @@
 //! What hangs together on one side of the cut becomes a lapped solid.
 
-use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::divide::Divided;
 use super::{CutError, CutReport};
 use crate::exec::Exec;
-use crate::lap::LappedSolid;
+use crate::lap::{AtVertex, LappedSolid};
 use crate::mesh::subdivide::{INNER, Weights};
 use crate::mesh::{BoundaryFace, FaceOrigin, NONE, TetMesh, index, signed_volume};
 
@@ -85,45 +84,22 @@ fn enclosed(mesh: &TetMesh) -> f64 {
         .sum()
 }
 
-/// Depth and frame of the new vertices, from the ends of the edges that they split.
-struct Interpolated {
-    depth: Vec<f64>,
-    frame: Vec<[DVec3; 3]>,
-}
-
-fn interpolated(solid: &LappedSolid, divided: &Divided) -> Interpolated {
-    let mut new = Interpolated { depth: Vec::new(), frame: Vec::new() };
+/// The fields at the new vertices, from the ends of the edges that they split.
+fn interpolated(solid: &LappedSolid, divided: &Divided) -> Vec<AtVertex> {
+    let mut new: Vec<AtVertex> = Vec::with_capacity(divided.parts.splits.len());
     for split in &divided.parts.splits {
-        let [a, b] = split.edge.map(|v| new.at(solid, v));
-        new.depth.push(a.0 + (b.0 - a.0) * split.t);
-        new.frame.push(between(&a.1, &b.1, split.t));
+        let [a, b] = split.edge.map(|v| at(solid, &new, v));
+        new.push(a.between(&b, split.t));
     }
     new
 }
 
-impl Interpolated {
-    /// Depth and frame of any vertex.
-    fn at(&self, solid: &LappedSolid, v: u32) -> (f64, [DVec3; 3]) {
-        let v = v as usize;
-        match v.checked_sub(solid.depth.len()) {
-            Some(new) => (self.depth[new], self.frame[new]),
-            None => (solid.depth[v], solid.frame[v]),
-        }
+/// The fields at any vertex.
+fn at(solid: &LappedSolid, new: &[AtVertex], v: u32) -> AtVertex {
+    match (v as usize).checked_sub(solid.depth.len()) {
+        Some(number) => new[number],
+        None => solid.at_vertex(v),
     }
-}
-
-/// A frame between two: the vectors are interpolated as lines, since a frame's signs mean nothing, and made
-/// orthogonal again, S staying as it is; the lengths are interpolated.
-fn between(a: &[DVec3; 3], b: &[DVec3; 3], t: f64) -> [DVec3; 3] {
-    let length: [f64; 3] = std::array::from_fn(|n| a[n].length() * (1.0 - t) + b[n].length() * t);
-    let blend = |n: usize| a[n] * (1.0 - t) + b[n] * if a[n].dot(b[n]) < 0.0 { -t } else { t };
-    let s = blend(1).normalize_or_zero();
-    let r = blend(0).reject_from(if s == DVec3::ZERO { DVec3::X } else { s }).normalize_or_zero();
-    if s == DVec3::ZERO || r == DVec3::ZERO {
-        return if t < 0.5 { *a } else { *b };
-    }
-    let hand = if DMat3::from_cols(a[0], a[1], a[2]).determinant() < 0.0 { -1.0 } else { 1.0 };
-    [r * length[0], s * length[1], r.cross(s) * (hand * length[2])]
 }
 
 /// The connected cells of both sides, and the place of each cell among those of its piece.
@@ -164,14 +140,13 @@ fn piece(
     divided: &Divided,
     outline: Outline,
     place: &[u32],
-    new: &Interpolated,
+    new: &[AtVertex],
 ) -> Result<LappedSolid, CutError> {
     let Outline { number, cells, vertices, tets } = outline;
     let (neighbours, boundary) = beside(solid, divided, number, &cells, place);
     let (layer_start, layer_patch, layer_uvw) = layers(solid, divided, &cells)?;
     let parent = |cell: u32| divided.part(cell).map_or(cell, |i| divided.parts.parts[i].parent) as usize;
-    let own = solid.depth.len();
-    let old = |v: u32| (v as usize) < own;
+    let fields = solid.collected(vertices.iter().map(|&v| at(solid, new, v)));
     Ok(LappedSolid {
         mesh: TetMesh {
             vertices: vertices.iter().map(|v| divided.parts.vertices[*v as usize]).collect(),
@@ -179,14 +154,10 @@ fn piece(
             neighbours,
             boundary,
         },
-        depth: vertices
-            .iter()
-            .map(|&v| if old(v) { solid.depth[v as usize] } else { new.at(solid, v).0 })
-            .collect(),
-        frame: vertices
-            .iter()
-            .map(|&v| if old(v) { solid.frame[v as usize] } else { new.at(solid, v).1 })
-            .collect(),
+        depth: fields.depth,
+        along: fields.along,
+        across: fields.across,
+        frame: fields.frame,
         layer_start,
         layer_patch,
         layer_uvw,

@@ -7,7 +7,7 @@ use crate::mesh::{VtuField, VtuValues, index, write_vtu};
 
 /// A lapped solid's tetrahedra as a `.vtu` file, in double precision.
 ///
-/// At the points: `depth`, and the frame's vectors `R`, `S`, `T` (the world lengths of one unit of texture). In the
+/// At the points: `depth`, `along` and `across` where the texture's type has them, and the frame's vectors `R`, `S`, `T` (the world lengths of one unit of texture). In the
 /// tetrahedra: `layers`, how many there are; `newest_patch`, the patch of the newest, −1 where there is none; and
 /// `tet_origin`, the tetrahedron of the uncut model.
 ///
@@ -25,12 +25,15 @@ pub fn vtu(solid: &LappedSolid, exec: &Exec) -> Result<Vec<u8>, ExportError> {
     let counts: Vec<u32> = tets.clone().map(|t| index(layers(t).len())).collect();
     let newest: Vec<i64> =
         tets.map(|t| layers(t).next_back().map_or(-1, |l| i64::from(solid.layer_patch[l]))).collect();
-    let at_points = [
-        VtuField { name: "depth", values: VtuValues::Numbers(&solid.depth) },
+    let numbers = [("depth", &solid.depth), ("along", &solid.along), ("across", &solid.across)];
+    let numbers = numbers.into_iter().filter(|(_, values)| !values.is_empty());
+    let numbers = numbers.map(|(name, values)| VtuField { name, values: VtuValues::Numbers(values) });
+    let vectors = [
         VtuField { name: "R", values: VtuValues::Vectors(&frame[0]) },
         VtuField { name: "S", values: VtuValues::Vectors(&frame[1]) },
         VtuField { name: "T", values: VtuValues::Vectors(&frame[2]) },
     ];
+    let at_points: Vec<VtuField<'_>> = numbers.chain(vectors).collect();
     let in_tets = [
         VtuField { name: "layers", values: VtuValues::Counts(&counts) },
         VtuField { name: "newest_patch", values: VtuValues::Integers(&newest) },

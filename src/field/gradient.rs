@@ -39,11 +39,6 @@ impl Slope {
     }
 }
 
-/// The direction in which values rise around each vertex; `None` where they rise every way, as on the innermost set.
-pub(crate) fn rising(mesh: &TetMesh, values: &[f64]) -> Vec<Option<DVec3>> {
-    vertex_slopes(mesh, values).iter().map(Slope::axis).collect()
-}
-
 /// The slope at each vertex; 0 at a vertex without tetrahedra.
 pub(crate) fn vertex_slopes(mesh: &TetMesh, values: &[f64]) -> Vec<Slope> {
     let mut slopes = vec![Slope { gradient: DVec3::ZERO, steepness: 0.0 }; mesh.vertices.len()];

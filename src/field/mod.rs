@@ -26,9 +26,9 @@ pub use depth::{
 pub use direction::{DirectionError, DirectionParams, DirectionStroke, direction_field};
 pub(crate) use frame::perpendicular;
 pub use frame::{Fields, FrameField};
-pub(crate) use gradient::rising;
 pub use gradient::tet_gradients;
+pub(crate) use gradient::{Slope, vertex_slopes};
 pub use rbf::{Kernel, Rbf, RbfError, RbfParams, RbfReport};
 pub use scale::{ScaleAt, ScaleError, scale_field};
 pub use singular::{FrameAxes, Singularities, singularities, singularities_of_vertices};
-pub(crate) use stroke::{Sample, sample};
+pub(crate) use stroke::sample;

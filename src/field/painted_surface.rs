@@ -98,12 +98,13 @@ impl<'a> PaintedSurface<'a> {
 /// runs a little below it between its points.
 const ON_SURFACE: f64 = 0.05;
 
-/// The samples of each stroke that lie in the mesh and not on a surface painted with another depth.
+/// The samples of each stroke, at most `step` apart, that lie in the mesh and not on a surface painted with another
+/// depth. `spacing` is the mean length of the mesh's edges.
 pub(super) fn samples_that_count(
     mesh: &TetMesh,
     paint: &DepthPaint,
     surface: &PaintedSurface<'_>,
-    spacing: f64,
+    [spacing, step]: [f64; 2],
 ) -> Vec<Vec<DVec3>> {
     if paint.strokes.is_empty() {
         return Vec::new();
@@ -125,7 +126,7 @@ pub(super) fn samples_that_count(
         closest.distance(p) <= spacing && !touches
     };
     let of = |s: &DepthStroke| {
-        sample(&s.points, spacing).iter().map(|q| q.point).filter(|p| counts(*p, s.depth)).collect()
+        sample(&s.points, step).iter().map(|q| q.point).filter(|p| counts(*p, s.depth)).collect()
     };
     paint.strokes.iter().map(of).collect()
 }

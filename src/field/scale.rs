@@ -9,6 +9,7 @@ use super::graph::Graph;
 use super::laplacian::{Pin, SmoothError, Smoother, weights};
 use crate::exec::{Cancelled, Exec};
 use crate::mesh::{TetLocator, TetMesh};
+use crate::number::Short;
 use crate::solve::SolveError;
 
 /// A scale set at one place.
@@ -54,9 +55,9 @@ pub enum ScaleError {
     },
     /// Two scales at one place.
     #[error(
-        "local scales {first} and {second} are {distance:.3e} apart, less than a quarter of the mesh's edges, and \
+        "local scales {first} and {second} are {} apart, less than a quarter of the mesh's edges, and \
          differ: {} and {}; remove one of them, or move them apart",
-        .scales[0], .scales[1]
+        Short(*.distance), .scales[0], .scales[1]
     )]
     Contradiction {
         /// One, from 0.

@@ -11,6 +11,7 @@ use super::hide::{Layer, visible};
 use super::pasted::Pasted;
 use super::solid::{LappedSolid, Patch};
 use crate::exec::{Cancelled, Exec};
+use crate::field::Fields;
 use crate::mesh::TetMesh;
 use crate::volume::{AlphaMask, SolidTexture};
 
@@ -79,7 +80,7 @@ pub(super) fn stack(
 /// The model without the layers that cannot be seen, and how many those are.
 pub(super) fn assemble(
     mesh: TetMesh,
-    depth: Vec<f64>,
+    fields: Fields,
     frame: Vec<[DVec3; 3]>,
     masks: Vec<AlphaMask>,
     texture: Arc<SolidTexture>,
@@ -123,8 +124,10 @@ pub(super) fn assemble(
     }
     let tet_origin = (0..mesh.tets.len() as u32).collect();
     let solid = LappedSolid {
+        depth: fields.depth.unwrap_or_else(|| vec![0.0; mesh.vertices.len()]),
+        along: fields.along.unwrap_or_default(),
+        across: fields.across.unwrap_or_default(),
         mesh,
-        depth,
         frame,
         layer_start,
         layer_patch,

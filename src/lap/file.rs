@@ -129,6 +129,11 @@ impl LappedSolid {
         arrays.push(("tets".into(), Dtype::U32, vec![t, 4], le_u32(mesh.tets.as_flattened())));
         arrays.push(("tet_origin".into(), Dtype::U32, vec![t], le_u32(&self.tet_origin)));
         arrays.push(("depth".into(), Dtype::F64, vec![v], le_f64(&self.depth)));
+        for (name, field) in [("along", &self.along), ("across", &self.across)] {
+            if !field.is_empty() {
+                arrays.push((name.into(), Dtype::F64, vec![v], le_f64(field)));
+            }
+        }
         arrays.push(("frame".into(), Dtype::F64, vec![v, 3, 3], le_f64(&frame)));
         arrays.push(("layer_start".into(), Dtype::U32, vec![t + 1], le_u32(&self.layer_start)));
         arrays.push(("layer_patch".into(), Dtype::U32, vec![l], le_u32(&self.layer_patch)));
@@ -257,6 +262,11 @@ impl LappedSolid {
         }
 
         let depth = f64s(&arrays.get("depth", Dtype::F64, &[Some(v)])?);
+        let [along, across] = ["along", "across"].map(|name| match arrays.has(name) {
+            true => arrays.get(name, Dtype::F64, &[Some(v)]).map(|a| f64s(&a)),
+            false => Ok(Vec::new()),
+        });
+        let (along, across) = (along?, across?);
         let frame: Vec<[DVec3; 3]> = f64s(&arrays.get("frame", Dtype::F64, &[Some(v), Some(3), Some(3)])?)
             .chunks_exact(9)
             .map(|c| [0, 3, 6].map(|n| DVec3::from_slice(&c[n..])))
@@ -302,6 +312,8 @@ impl LappedSolid {
         let solid = Self {
             mesh,
             depth,
+            along,
+            across,
             frame,
             layer_start,
             layer_patch,
@@ -331,7 +343,11 @@ impl LappedSolid {
             ("layer_uvw", self.layer_uvw.len(), l),
             ("tet_origin", self.tet_origin.len(), t),
         ];
-        for (name, found, expected) in lengths {
+        let optional =
+            [("along", &self.along), ("across", &self.across)].into_iter().filter(|f| !f.1.is_empty());
+        for (name, found, expected) in
+            lengths.into_iter().chain(optional.clone().map(|(name, f)| (name, f.len(), v)))
+        {
             if found != expected {
                 let (found, expected) = (format!("of length {found}"), format!("of length {expected}"));
                 return Err(ModelFileError::Shape { name: name.into(), found, expected });
@@ -368,8 +384,10 @@ impl LappedSolid {
         if let Some(i) = self.layer_uvw.iter().position(|u| !u.as_flattened().iter().all(|c| c.is_finite())) {
             return Err(value("layer_uvw", i, "NaN or infinity", finite));
         }
-        if let Some(i) = self.depth.iter().position(|d| !d.is_finite()) {
-            return Err(value("depth", i, self.depth[i], finite));
+        for (name, field) in optional.chain([("depth", &self.depth)]) {
+            if let Some(i) = field.iter().position(|d| !d.is_finite()) {
+                return Err(value(name, i, field[i], finite));
+            }
         }
         if let Some(i) = self.frame.iter().position(|f| !f.iter().all(|a| a.is_finite())) {
             return Err(value("frame", i, "NaN or infinity", finite));
@@ -402,6 +420,10 @@ fn volume_size(name: &str, shape: &[usize]) -> Result<[u32; 3], ModelFileError> 
 pub(super) struct Arrays<'a>(SafeTensors<'a>);
 
 impl<'a> Arrays<'a> {
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.0.tensor(name).is_ok()
+    }
+
     /// An array of the given type and shape (`None`: any length).
     pub(super) fn get(
         &self,

@@ -20,6 +20,7 @@ use super::solid::LappedSolid;
 use crate::exec::{Cancelled, Exec};
 use crate::field::{Fields, FrameField};
 use crate::mesh::TetMesh;
+use crate::number::Short;
 use crate::volume::{AlphaMask, SolidTexture};
 
 /// Why a mesh cannot be filled.
@@ -74,7 +75,7 @@ pub enum FillError {
     /// The scale is too small for the model.
     #[error(
         "about {estimate} patches would be needed, and at most {limit} are allowed (max_patches): the \
-         texture's scale is very small for this model; a scale of {remedy:.3e} would do"
+         texture's scale is very small for this model; a scale of {} would do", Short(*.remedy)
     )]
     TooManyPatches {
         /// Expected patches.
@@ -84,11 +85,27 @@ pub enum FillError {
         /// A scale that stays below it.
         remedy: f64,
     },
+    /// The scale is too large for the model.
+    #[error(
+        "the texture's scale is very large for this model: one unit of texture covers {}, the model is {} from corner to \
+         corner, and so it would show less than one voxel of a texture that has {side} along a side; a scale of {} would \
+         show it once",
+        Short(*.scale), Short(*.diagonal), Short(*.diagonal)
+    )]
+    TooLarge {
+        /// The least world length of one unit of texture.
+        scale: f64,
+        /// The diagonal of the model's bounding box.
+        diagonal: f64,
+        /// Voxels along the texture's longest side.
+        side: u32,
+    },
     /// The tetrahedra are too large for the texture.
     #[error(
         "the tetrahedra are too large for the texture's scale: near {place} one unit of texture covers \
-         {scale:.3e}, an edge is {edge:.3e} long, and coverage could not be told; ask for about {tets} \
-         tetrahedra or more, or for a larger scale"
+         {}, an edge is {} long, and coverage could not be told; ask for about {tets} tetrahedra or more, or for a \
+         larger scale",
+        Short(*.scale), Short(*.edge)
     )]
     TooCoarse {
         /// Where.
@@ -141,15 +158,18 @@ pub enum FillError {
 
 /// The same fields, as texture coordinates (f32) can hold them: so they follow a given coordinate exactly.
 pub(super) fn as_coordinates(fields: &Fields) -> Fields {
-    let round = |field: &Option<Vec<f64>>| {
-        field.as_ref().map(|f| f.iter().map(|&d| f64::from((d as f32).min(INSIDE))).collect())
-    };
+    let round = |field: &Option<Vec<f64>>| field.as_ref().map(|f| f.iter().map(|&d| coordinate(d)).collect());
     Fields {
         depth: round(&fields.depth),
         along: round(&fields.along),
         across: round(&fields.across),
         ..fields.clone()
     }
+}
+
+/// A field's value as a texture coordinate can hold it.
+pub(super) fn coordinate(value: f64) -> f64 {
+    f64::from((value as f32).min(INSIDE))
 }
 
 /// The texture coordinates that are given for a texture type.
@@ -187,7 +207,7 @@ const PATCHES_PER_UNIT: f64 = 12.0;
 /// The greatest coordinate that is given: at 1 exactly, the rounding of an interpolation would leave the mask.
 const INSIDE: f32 = 1.0 - 1.0 / (1 << 20) as f32;
 /// The longest edge, in units of texture, for which the lattice tells coverage.
-const COARSEST: f64 = 4.0;
+pub(crate) const COARSEST: f64 = 4.0;
 
 /// Fills `mesh` with `texture`.
 ///
@@ -226,7 +246,7 @@ pub fn fill(
         let mut lapped = match mapped::one_patch(&ground) {
             Some(patch) => Lapped::whole(patch, &masks),
             None => {
-                check_scale(&mesh, &frames, params)?;
+                check_scale(&mesh, &frames, &texture, params)?;
                 lap(&ground, seed, exec)?
             }
         };
@@ -235,9 +255,8 @@ pub fn fill(
         let tables: Vec<MaskTable> = tables.into_iter().chain(own).collect();
         let stacks = stack(&mesh, &masks, &tables, &lapped.pasted, exec)?;
         let frame = frames.at_vertices(&mesh);
-        let depth = fields.depth.clone().unwrap_or_else(|| vec![0.0; mesh.vertices.len()]);
         let texture = followed(texture, kind);
-        let (solid, hidden) = assemble(mesh, depth, frame, masks, texture, &lapped.pasted, &stacks);
+        let (solid, hidden) = assemble(mesh, fields.clone(), frame, masks, texture, &lapped.pasted, &stacks);
         let mut measures = FillMeasures::new(&solid, &lapped.fit, lapped.uncovered, given(&fields, kind));
         measures.sharpness = sharpness(&solid, seed, exec)?;
         let report = FillReport {
@@ -311,7 +330,18 @@ fn check(mesh: &TetMesh, kind: TextureType, fields: &Fields, params: &FillParams
     Ok(())
 }
 
-fn check_scale(mesh: &TetMesh, frames: &FrameField, params: &FillParams) -> Result<(), FillError> {
+fn check_scale(
+    mesh: &TetMesh,
+    frames: &FrameField,
+    texture: &SolidTexture,
+    params: &FillParams,
+) -> Result<(), FillError> {
+    let scale = frames.length.iter().copied().fold(f64::INFINITY, f64::min);
+    let diagonal = mesh.bounds().map_or(0.0, |(low, high)| low.distance(high));
+    let side = texture.size().into_iter().max().unwrap_or(1);
+    if scale > diagonal * f64::from(side) {
+        return Err(FillError::TooLarge { scale, diagonal, side });
+    }
     let units: f64 =
         (0..mesh.tets.len()).map(|t| mesh.tet_volume(t) / frames.lengths(t).element_product()).sum();
     let estimate = units * PATCHES_PER_UNIT;

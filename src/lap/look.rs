@@ -1,15 +1,21 @@
 //! What the outside of a filled model keeps of its mesh's own look.
 
+use std::cell::Cell;
 use std::fmt;
 
 use glam::DVec3;
 
 use crate::colour::{LinearRgba, decode};
-use crate::mesh::{BoxTree, NONE, TriMesh, Wear, WornPicture, box_of, closest_on_triangle};
+use crate::mesh::{BoxTree, NONE, TriMesh, Wear, WornPicture, Wrap, box_of, closest_on_triangle};
 
 /// A point counts as lying on the triangle that its face lies on within this part of that triangle's longest
 /// edge: interpolation in `f32` does not come nearer.
 const ON_TRIANGLE: f64 = 1e-6;
+
+thread_local! {
+    /// The triangle that was found last.
+    static LAST: Cell<usize> = const { Cell::new(usize::MAX) };
+}
 
 /// A look that cannot be kept.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -132,7 +138,7 @@ impl Look {
             return (triangle, at);
         }
         let mut found = (triangle, at);
-        self.tree.nearer(p, within, |t, best| {
+        let mut nearer = |t: usize, best: f64| {
             let corners = self.surface.corners(t);
             let [a, b, c] = corners;
             if (b - a).cross(c - a).dot(normal) < 0.0 {
@@ -145,7 +151,13 @@ impl Look {
                 found = (t, at);
             }
             distance.min(best)
-        });
+        };
+        // Texels and pixels are asked for one beside the other: what was nearest to the last one is hardly ever far, and
+        // leaves little to look at. It changes nothing of what is found.
+        let last = LAST.get();
+        let within = if last < self.surface.triangles.len() { nearer(last, within) } else { within };
+        self.tree.nearer(p, within, nearer);
+        LAST.set(found.0);
         found
     }
 
@@ -168,7 +180,7 @@ impl Look {
             multiply(decode(material.colour));
             if let (Some(picture), Some(uv)) = (material.picture, wear.uv.get(triangle)) {
                 let at = [0, 1].map(|n| (0..3).map(|k| weights[k] * f64::from(uv[k][n])).sum());
-                multiply(sample(&wear.pictures[picture as usize], at));
+                multiply(sample(&wear.pictures[picture as usize], material.wrap, at));
             }
         }
         colour
@@ -249,18 +261,27 @@ fn check(surface: &TriMesh, wear: &Wear) -> Result<(), LookError> {
     }
 }
 
-/// The picture's colour, interpolated in linear light between the four nearest pixels; it repeats.
-fn sample(picture: &WornPicture, [u, v]: [f64; 2]) -> LinearRgba {
-    let along = |at: f64, side: u32| {
-        let at = (at - at.floor()) * f64::from(side) - 0.5;
-        let low = at.floor();
-        let next = (low + 1.0) as u32 % side;
-        // Before the first pixel lies the last one.
-        let low_pixel = if low < 0.0 { side - 1 } else { low as u32 % side };
-        ([low_pixel, next], (at - low) as f32)
+/// The two pixels of a side between which a coordinate lies, and how near it is to the second.
+fn between(at: f64, side: u32, wrap: Wrap) -> ([u32; 2], f32) {
+    let last = side - 1;
+    // The coordinate within the picture; what lies beside its first and last pixel.
+    let (at, before, after) = match wrap {
+        Wrap::Repeat => (at - at.floor(), last, 0),
+        Wrap::Clamp => (at.clamp(0.0, 1.0), 0, last),
+        // Up and down again: beside an outermost pixel lies its own image.
+        Wrap::Mirror => (1.0 - (at.rem_euclid(2.0) - 1.0).abs(), 0, last),
     };
-    let ([x0, x1], fx) = along(u, picture.width);
-    let ([y0, y1], fy) = along(v, picture.height);
+    let at = at * f64::from(side) - 0.5;
+    let low = at.floor();
+    let first = if low < 0.0 { before } else { (low as u32).min(last) };
+    let second = if low + 1.0 > f64::from(last) { after } else { (low + 1.0) as u32 };
+    ([first, second], (at - low) as f32)
+}
+
+/// The picture's colour, interpolated in linear light between the four nearest pixels.
+fn sample(picture: &WornPicture, wrap: [Wrap; 2], [u, v]: [f64; 2]) -> LinearRgba {
+    let ([x0, x1], fx) = between(u, picture.width, wrap[0]);
+    let ([y0, y1], fy) = between(v, picture.height, wrap[1]);
     let mut sum = [0.0; 4];
     for (y, wy) in [(y0, 1.0 - fy), (y1, fy)] {
         for (x, wx) in [(x0, 1.0 - fx), (x1, fx)] {

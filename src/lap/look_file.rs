@@ -6,10 +6,13 @@ use serde::{Deserialize, Serialize};
 
 use super::file::{Array, Arrays, ModelFileError, f32s, f64s, le_f32, le_f64, le_u32, u32s};
 use super::look::Look;
-use crate::mesh::{Material, NONE, TriMesh, Wear, WornPicture};
+use crate::mesh::{Material, NONE, TriMesh, Wear, WornPicture, Wrap};
 
 /// The most pictures of one file.
 const MAX_PICTURES: usize = 1 << 16;
+
+/// By their numbers in a file.
+const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror];
 
 /// What there is of a look.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -42,6 +45,12 @@ pub(super) fn write(look: &Look, arrays: &mut Vec<Array>) {
     add("material", Dtype::U32, vec![wear.material.len()], le_u32(&wear.material));
     add("material_colour", Dtype::U8, vec![wear.materials.len(), 4], colours);
     add("material_picture", Dtype::U32, vec![wear.materials.len()], le_u32(&pictures));
+    // Left out where all repeat.
+    if wear.materials.iter().any(|m| m.wrap != [Wrap::default(); 2]) {
+        let number = |wrap: Wrap| WRAPS.iter().position(|w| *w == wrap).unwrap_or(0) as u8;
+        let wraps = wear.materials.iter().flat_map(|m| m.wrap.map(number)).collect();
+        add("material_wrap", Dtype::U8, vec![wear.materials.len(), 2], wraps);
+    }
     for (n, picture) in wear.pictures.iter().enumerate() {
         let shape = vec![picture.height as usize, picture.width as usize, 4];
         add(&format!("picture_{n}"), Dtype::U8, shape, picture.rgba.as_flattened().to_vec());
@@ -62,8 +71,20 @@ pub(super) fn read(about: &About, arrays: &Arrays<'_>) -> Result<Look, ModelFile
     let material_picture = u32s(&arrays.get("look_material_picture", Dtype::U32, &[Some(count)])?);
     let materials =
         material_colour.data().as_chunks().0.iter().zip(material_picture).map(|(&colour, picture)| {
-            Material { name: String::new(), colour, picture: (picture != NONE).then_some(picture) }
+            let picture = (picture != NONE).then_some(picture);
+            Material { name: String::new(), colour, picture, ..Material::default() }
         });
+    let mut materials: Vec<Material> = materials.collect();
+    if arrays.has("look_material_wrap") {
+        let wraps = arrays.get("look_material_wrap", Dtype::U8, &[Some(count), Some(2)])?;
+        for (material, wrap) in materials.iter_mut().zip(wraps.data().as_chunks::<2>().0) {
+            for (to, n) in material.wrap.iter_mut().zip(wrap) {
+                let known = WRAPS.get(usize::from(*n)).copied();
+                *to = known
+                    .ok_or_else(|| ModelFileError::Metadata(format!("it wraps pictures in the way {n}")))?;
+            }
+        }
+    }
     let pictures = (0..about.pictures)
         .map(|n| {
             let data = arrays.get(&format!("look_picture_{n}"), Dtype::U8, &[None, None, Some(4)])?;
@@ -81,7 +102,7 @@ pub(super) fn read(about: &About, arrays: &Arrays<'_>) -> Result<Look, ModelFile
         uv: uv.as_chunks::<2>().0.as_chunks().0.to_vec(),
         colours: colours.data().as_chunks::<4>().0.as_chunks().0.to_vec(),
         material,
-        materials: materials.collect(),
+        materials,
         pictures,
     };
     Ok(Look::new(surface, &wear)?)

@@ -8,6 +8,7 @@ mod file;
 mod fill;
 mod frames;
 mod hide;
+mod isosurface;
 mod kind;
 mod look;
 mod look_file;
@@ -19,9 +20,11 @@ mod pasted;
 mod seed;
 mod solid;
 mod unfilled;
+mod vertex;
 
 pub use crate::field::Fields;
 pub use file::{FORMAT_VERSION, METADATA_KEY, ModelFileError};
+pub(crate) use fill::COARSEST;
 pub use fill::{FillError, FillReport, fill};
 pub use kind::{Inputs, TextureType, UnknownType};
 pub use look::{Look, LookError};
@@ -29,6 +32,7 @@ pub use measure::FillMeasures;
 pub use params::FillParams;
 pub use solid::{LappedSolid, Patch, interpolate};
 pub use unfilled::{bare, unfilled};
+pub(crate) use vertex::AtVertex;
 
 #[cfg(test)]
 mod tests;

@@ -26,6 +26,10 @@ pub struct LappedSolid {
     pub mesh: TetMesh,
     /// Depth at each vertex: 0 outside, 1 innermost; all 0 where the type has none. Length V.
     pub depth: Vec<f64>,
+    /// The field `along`, texture x, at each vertex; empty where the type has none. Length V.
+    pub along: Vec<f64>,
+    /// The field `across`, texture z, at each vertex; empty where the type has none. Length V.
+    pub across: Vec<f64>,
     /// R, S, T at each vertex, in world lengths of one unit of texture space. Length V.
     pub frame: Vec<[DVec3; 3]>,
     /// The layers of tetrahedron t are `layer_start[t]..layer_start[t + 1]`, oldest first. Length T + 1.

@@ -250,7 +250,7 @@ fn inputs_are_checked_by_name() {
 
 /// A ball whose boundary face f lies on triangle f of a look with everything in it.
 fn with_look() -> LappedSolid {
-    use crate::mesh::{FaceOrigin, Material, NONE, TriMesh, Wear, WornPicture};
+    use crate::mesh::{FaceOrigin, Material, NONE, TriMesh, Wear, WornPicture, Wrap};
     let (mut solid, _) = filled(TextureType::Type0, 1);
     let triangles: Vec<[u32; 3]> = solid.mesh.boundary.iter().map(|f| solid.mesh.face_vertices(f)).collect();
     let surface = TriMesh { vertices: solid.mesh.vertices.clone(), triangles };
@@ -263,8 +263,13 @@ fn with_look() -> LappedSolid {
         colours: vec![[[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 128]]; count],
         material: (0..count).map(|t| if t % 3 == 2 { NONE } else { t as u32 % 3 }).collect(),
         materials: vec![
-            Material { name: String::new(), colour: [255, 200, 100, 50], picture: Some(0) },
-            Material { name: String::new(), colour: [1, 2, 3, 4], picture: None },
+            Material {
+                name: String::new(),
+                colour: [255, 200, 100, 50],
+                picture: Some(0),
+                wrap: [Wrap::Mirror, Wrap::Clamp],
+            },
+            Material { name: String::new(), colour: [1, 2, 3, 4], ..Material::default() },
         ],
         pictures: vec![WornPicture { width: 2, height: 1, rgba: vec![[1, 2, 3, 4], [5, 6, 7, 8]] }],
         ..Wear::default()

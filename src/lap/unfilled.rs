@@ -31,7 +31,8 @@ pub fn unfilled(mesh: TetMesh, kind: TextureType, fields: &Fields) -> LappedSoli
         FrameField::new(&mesh, &fields, kind.given()).at_vertices(&mesh)
     };
     let depth = fields.depth.unwrap_or_else(|| vec![0.0; vertices]);
-    LappedSolid { depth, frame, settings: json!({ "type": kind }), ..bare(mesh) }
+    let [along, across] = [fields.along, fields.across].map(Option::unwrap_or_default);
+    LappedSolid { depth, along, across, frame, settings: json!({ "type": kind }), ..bare(mesh) }
 }
 
 /// The mesh alone, without fields and layers: a shape to cut and to draw on.
@@ -40,6 +41,8 @@ pub fn bare(mesh: TetMesh) -> LappedSolid {
     let (vertices, tets) = (mesh.vertices.len(), mesh.tets.len());
     LappedSolid {
         depth: vec![0.0; vertices],
+        along: Vec::new(),
+        across: Vec::new(),
         frame: vec![DVec3::AXES; vertices],
         layer_start: vec![0; tets + 1],
         layer_patch: Vec::new(),

@@ -115,7 +115,9 @@ impl BoxTree {
             (d - slack).max(0.0)
         };
         let mut best = within;
-        let mut stack: Vec<(f64, usize)> = vec![(distance(0), 0)];
+        // Room enough for all but odd trees.
+        let mut stack: Vec<(f64, usize)> = Vec::with_capacity(64);
+        stack.push((distance(0), 0));
         while let Some((d, node)) = stack.pop() {
             if d > best.sqrt() * per_unit {
                 continue;

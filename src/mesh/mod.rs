@@ -6,6 +6,7 @@ mod clean;
 mod defects;
 mod edges;
 mod exact;
+mod layer;
 mod locate;
 mod mesher;
 mod read;
@@ -26,6 +27,7 @@ pub use clean::{CleanError, CleanReport, Cleaned, Provenance, WELD_TOLERANCE, cl
 pub use defects::{
     AtEdge, AtTriangle, AtVertex, Crossing, Defects, Found, Hole, MAX_CROSSINGS, PLACES, defects,
 };
+pub(crate) use layer::{LayerPoint, layer};
 pub use locate::TetLocator;
 pub(crate) use locate::closest_on_triangle;
 pub use mesher::{Mesher, MesherError, MesherLimits, tetgen_helper};
@@ -41,6 +43,6 @@ pub use tetrahedralise::{
     tetrahedralise, tetrahedralise_within,
 };
 pub use tri::TriMesh;
-pub use wear::{Material, Region, RegionError, RegionKind, Wear, WornPicture};
+pub use wear::{Material, Region, RegionError, RegionKind, Wear, WornPicture, Wrap};
 pub(crate) use write::Shortest;
 pub use write::write_obj;

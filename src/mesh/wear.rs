@@ -53,8 +53,20 @@ pub struct WornPicture {
     pub rgba: Vec<[u8; 4]>,
 }
 
+/// How a picture goes on beyond its sides.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// It repeats.
+    #[default]
+    Repeat,
+    /// Its outermost pixels go on.
+    Clamp,
+    /// It repeats, every other time as its mirror image.
+    Mirror,
+}
+
 /// A material of the mesh file.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Material {
     /// Its name; empty where the file gives none.
     pub name: String,
@@ -62,6 +74,8 @@ pub struct Material {
     pub colour: [u8; 4],
     /// Index into [`Wear::pictures`].
     pub picture: Option<u32>,
+    /// How that picture goes on to the right and left, and up and down.
+    pub wrap: [Wrap; 2],
 }
 
 /// What a surface wears beside its shape. Every list is empty (nothing of the kind) or has one entry for each
@@ -71,7 +85,7 @@ pub struct Wear {
     /// Named parts; a triangle may lie in several.
     pub regions: Vec<Region>,
     /// Texture coordinates at the three corners of each triangle: u to the right, v *down* from the picture's
-    /// top left, as in glTF. They repeat outside 0…1.
+    /// top left, as in glTF. Outside 0…1 the material says how the picture goes on.
     pub uv: Vec<[[f32; 2]; 3]>,
     /// Colours at the three corners of each triangle, as sRGB with alpha.
     pub colours: Vec<[[u8; 4]; 3]>,

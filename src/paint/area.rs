@@ -1,6 +1,6 @@
 //! Faces: regions by name, multi-face fill, single-face fill \[LST 4.3\].
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 
 use glam::{DVec2, DVec3};
 use serde::Serialize;
@@ -62,8 +62,11 @@ impl Canvas<'_> {
         // What is painted so far.
         let mut painted: Vec<Option<f64>> = mesh.boundary.iter().map(|f| skin(f.origin)).collect();
         let mut faces = Vec::new();
+        // The areas' faces, and the number of the area that painted each face last.
+        let mut found_by = Vec::new();
+        let mut last = vec![usize::MAX; mesh.boundary.len()];
         let mut beside: Option<Vec<[(u32, f64); 3]>> = None;
-        for area in areas {
+        for (number, area) in areas.iter().enumerate() {
             let wrong = |problem| PaintError::new(&area.key, problem);
             let found = match &area.faces {
                 AreaKind::Region(name) => self.region(name).map_err(wrong)?,
@@ -73,9 +76,18 @@ impl Canvas<'_> {
                     fill(&self.picks(picks).map_err(wrong)?, beside, &painted, angle_deg.to_radians().cos())
                 }
             };
-            for face in found {
+            for &face in &found {
                 painted[face as usize] = Some(area.depth);
+                last[face as usize] = number;
                 faces.push(PaintedFace { face, depth: area.depth });
+            }
+            found_by.push(found);
+        }
+        for (area, found) in areas.iter().zip(&found_by) {
+            if found.iter().all(|&face| painted[face as usize] != Some(area.depth)) {
+                let by: BTreeSet<usize> = found.iter().map(|&face| last[face as usize]).collect();
+                let by = by.into_iter().map(|number| areas[number].key.clone()).collect();
+                return Err(PaintError::new(&area.key, PaintProblem::PaintedOver { depth: area.depth, by }));
             }
         }
         Ok(faces)

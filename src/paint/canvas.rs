@@ -6,12 +6,11 @@ use std::rc::Rc;
 
 use glam::{DVec2, DVec3};
 
-use super::layer::layer;
 use super::place::{Ground, Line, Place, View};
 use super::problem::{PaintProblem, Seen};
 use super::trace::trace;
 use crate::lap::{LappedSolid, bare};
-use crate::mesh::{Caster, TetLocator, TetMesh, Wear};
+use crate::mesh::{Caster, TetLocator, TetMesh, Wear, layer};
 use crate::view::Projection;
 
 /// Steps along what is laid onto a surface, in mean lengths of the mesh's edges.
@@ -117,7 +116,7 @@ impl<'a> Canvas<'a> {
             let to = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
             return Err(PaintProblem::EmptyLayer { layer: level, on: on.clone(), from, to });
         }
-        Ok(Caster::new(triangles))
+        Ok(Caster::new(triangles.iter().map(|t| t.corners.map(|c| c.place(shape))).collect()))
     }
 
     /// The camera of a picture of `on`.

@@ -42,6 +42,9 @@ pub struct PaintedDepth {
     pub paint: field::DepthPaint,
 }
 
+/// The table of the depth itself; the others make other coordinates.
+const DEPTH: &str = "depth";
+
 impl Canvas<'_> {
     /// Makes a field of what is painted with depths. `key` is the table's name in messages. Layers are those of
     /// `layers`, values at the mesh's vertices, or else of the field that all paint without a layer makes.
@@ -143,6 +146,15 @@ impl Lines<'_> {
             DepthError::StrokeMisses { stroke: part } => {
                 PaintError::new(stroke(part), PaintProblem::StrokeMisses)
             }
+            DepthError::Contradiction { first, second, distance, depths } => {
+                let other = stroke(first).to_owned();
+                PaintError::new(stroke(second), PaintProblem::TwoDepths { other, distance, depths })
+            }
+            // Remedies of the depth are none for a field that is another coordinate.
+            DepthError::OneDepth(value) if key != DEPTH => {
+                PaintError::new(key, PaintProblem::OneValue(Some(value)))
+            }
+            DepthError::NothingPainted if key != DEPTH => PaintError::new(key, PaintProblem::OneValue(None)),
             DepthError::OneDepth(depth) => PaintError::new(key, PaintProblem::OneDepth(depth)),
             DepthError::Cancelled(c) => PaintError::new(key, c),
             error => PaintError::new(key, PaintProblem::Depth(error)),

@@ -9,7 +9,6 @@ mod area;
 mod canvas;
 mod depth;
 mod direction;
-mod layer;
 mod place;
 mod problem;
 mod scale;
@@ -21,7 +20,7 @@ pub use depth::{DepthPaint, DepthStroke, PaintedDepth};
 pub use direction::{DirectionStroke, PaintedDirection};
 pub use place::{Ground, Line, Place, View};
 pub use problem::{PaintError, PaintProblem};
-pub use scale::{ScaleAt, Spot};
+pub use scale::{PaintedScale, ScaleAt, Spot};
 
 #[cfg(test)]
 mod tests;

@@ -5,8 +5,11 @@ use glam::{DVec2, DVec3};
 use super::Ground;
 use crate::exec::Cancelled;
 use crate::field::{DepthError, DirectionError, ScaleError};
+use crate::lap::COARSEST;
 use crate::mesh::RegionError;
+use crate::number::Short;
 use crate::view::CameraError;
+use crate::volume::MAX_SIDE;
 
 /// Something painted that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -44,9 +47,9 @@ pub enum PaintProblem {
     },
     /// A point that is no face's.
     #[error(
-        "[{}, {}, {}] is {distance:.3e} away from the surface, whose edges are {edge:.3e} long on average; pick a point on \
-         it, in the mesh's unit",
-        .point.x, .point.y, .point.z
+        "[{}, {}, {}] is {} away from the surface, whose edges are {} long on average; pick a point on it, in \
+         the mesh's unit",
+        .point.x, .point.y, .point.z, Short(*.distance), Short(*.edge)
     )]
     FarPick {
         /// The point.
@@ -109,8 +112,8 @@ pub enum PaintProblem {
     TurnedAway(Ground),
     /// No such depth.
     #[error(
-        "the layer of depth {layer} is empty: over {on} depth runs from {from:.4} to {to:.4}; choose a layer \
-         between them"
+        "the layer of depth {layer} is empty: over {on} depth runs from {} to {}; choose a layer between them",
+        Short(*.from), Short(*.to)
     )]
     EmptyLayer {
         /// The depth.
@@ -133,7 +136,7 @@ pub enum PaintProblem {
     NoDepth,
     /// A direction stroke along the gradient.
     #[error(
-        "it runs along the depth's gradient everywhere, within {degrees}°: texture x cannot run the way of texture y; \
+        "it runs along the depth's gradient, within {degrees}° on average: texture x cannot run the way of texture y; \
          draw it along a layer, across the way that depth rises (`layer = D` puts it on one)"
     )]
     AlongGradient {
@@ -142,8 +145,8 @@ pub enum PaintProblem {
     },
     /// Two scales at one place.
     #[error(
-        "it says {} where `{other}` says {}, only {distance:.3e} apart: remove one of them, or move them apart",
-        .scales[1], .scales[0]
+        "it says {} where `{other}` says {}, {}: remove one of them, or move them apart",
+        .scales[1], .scales[0], apart(*.distance)
     )]
     TwoScales {
         /// The other one's key.
@@ -152,6 +155,57 @@ pub enum PaintProblem {
         distance: f64,
         /// The other's scale and this one's.
         scales: [f64; 2],
+    },
+    /// Two depths at one place.
+    #[error(
+        "it says {} where `{other}` says {}, {}: remove one of them, or move them apart",
+        .depths[1], .depths[0], apart(*.distance)
+    )]
+    TwoDepths {
+        /// The other one's key.
+        other: String,
+        /// How far apart they are.
+        distance: f64,
+        /// The other's depth and this one's.
+        depths: [f64; 2],
+    },
+    /// A part of the surface of which later ones leave nothing.
+    #[error(
+        "nothing is left of its depth {depth}: {} over all of its faces; remove one of them, or put this one behind \
+         (regions are painted first, then fills, then single faces, each in the order of the file)",
+        by.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(" and ") + if by.len() == 1 { " paints" } else { " paint" }
+    )]
+    PaintedOver {
+        /// Its depth.
+        depth: f64,
+        /// The keys of what is painted over it.
+        by: Vec<String>,
+    },
+    /// A scale past all sense.
+    #[error(
+        "it is {}, and the model is {} from corner to corner: of the largest solid texture ({MAX_SIDE} \
+         voxels a side) not one voxel would cover it; choose a scale about as large as the model, or smaller",
+        Short(*.scale), Short(*.diagonal)
+    )]
+    ScaleTooLarge {
+        /// The scale.
+        scale: f64,
+        /// The diagonal of the model's bounding box.
+        diagonal: f64,
+    },
+    /// A scale for which there can be no tetrahedra.
+    #[error(
+        "it is {}, and the model is {} from corner to corner: coverage can be told only where tetrahedra \
+         are at most {COARSEST} units of texture long, and that many cannot be; choose a scale of {} or more",
+        Short(*.scale), Short(*.diagonal), Short(*.least)
+    )]
+    ScaleTooSmall {
+        /// The scale.
+        scale: f64,
+        /// The diagonal of the model's bounding box.
+        diagonal: f64,
+        /// The least that could be.
+        least: f64,
     },
     /// A depth stroke that counts nowhere.
     #[error(
@@ -168,8 +222,14 @@ pub enum PaintProblem {
          with another, such as skin = 0 and a stroke of depth 1 along the axis"
     )]
     OneDepth(f64),
-    /// No depth field comes of what is painted.
-    #[error("cannot make the depth field: {0}")]
+    /// Nothing, or one value only, painted of texture x or z.
+    #[error(
+        "{}, and a field needs two values: paint one end of the model with 0 and the other with 1",
+        .0.map_or("nothing is painted".to_owned(), |value| format!("everything painted has the value {value}"))
+    )]
+    OneValue(Option<f64>),
+    /// No field comes of what is painted with depths.
+    #[error("cannot make the field: {0}")]
     Depth(#[source] DepthError),
     /// No direction field comes of the strokes.
     #[error("cannot make the direction field: {0}")]
@@ -186,8 +246,12 @@ fn of_layer(layer: Option<f64>) -> String {
     layer.map_or(String::new(), |d| format!("the layer of depth {d} of "))
 }
 
+fn apart(distance: f64) -> String {
+    if distance == 0.0 { "at the same place".to_owned() } else { format!("only {} apart", Short(distance)) }
+}
+
 fn coordinates(p: DVec3) -> String {
-    format!("{:.4}, {:.4}, {:.4}", p.x, p.y, p.z)
+    format!("{}, {}, {}", Short(p.x), Short(p.y), Short(p.z))
 }
 
 /// Where in a picture something is.

@@ -8,6 +8,8 @@ use super::place::{Ground, View};
 use super::problem::{PaintError, PaintProblem};
 use crate::exec::Exec;
 use crate::field::{self, ScaleError, scale_field};
+use crate::lap::COARSEST;
+use crate::volume::MAX_SIDE;
 
 /// A scale set at one place.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -35,6 +37,15 @@ pub enum Spot {
     },
 }
 
+/// A field of scales, and where in space those of single places lie.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PaintedScale {
+    /// The scale at each vertex.
+    pub field: Vec<f64>,
+    /// Scales at points.
+    pub at: Vec<field::ScaleAt>,
+}
+
 impl Canvas<'_> {
     /// Makes a field of scales: `everywhere`, but where something else is said. `key` is the table's name in
     /// messages.
@@ -47,9 +58,11 @@ impl Canvas<'_> {
         everywhere: f64,
         at: &[ScaleAt],
         exec: &Exec,
-    ) -> Result<Vec<f64>, PaintError> {
+    ) -> Result<PaintedScale, PaintError> {
+        self.check_scale(&format!("{key}.everywhere (--scale)"), everywhere)?;
         let mut local = Vec::with_capacity(at.len());
         for a in at {
+            self.check_scale(&a.key, a.scale)?;
             let point = match &a.spot {
                 Spot::Point(point) => *point,
                 Spot::Pick { screen, view } => {
@@ -59,7 +72,7 @@ impl Canvas<'_> {
             };
             local.push(field::ScaleAt { point, scale: a.scale });
         }
-        scale_field(self.mesh, everywhere, &local, exec).map_err(|e| match e {
+        let field = scale_field(self.mesh, everywhere, &local, exec).map_err(|e| match e {
             ScaleError::Outside { index } => {
                 let (low, high) = self.mesh.bounds().unwrap_or_default();
                 PaintError::new(&at[index].key, PaintProblem::PointsMiss { low, high })
@@ -70,6 +83,22 @@ impl Canvas<'_> {
             }
             ScaleError::Cancelled(c) => PaintError::new(key, c),
             e => PaintError::new(key, PaintProblem::Scale(e)),
-        })
+        })?;
+        Ok(PaintedScale { field, at: local })
+    }
+
+    /// Refuses a scale with which nothing could be filled, however fine the mesh and whatever the texture.
+    fn check_scale(&self, key: &str, scale: f64) -> Result<(), PaintError> {
+        let diagonal = self.mesh.bounds().map_or(0.0, |(low, high)| low.distance(high));
+        // Regular tetrahedra of the longest edge that coverage allows, as many as can be numbered.
+        let least = (self.mesh.volume() * 72f64.sqrt() / f64::from(u32::MAX)).cbrt() / COARSEST;
+        let problem = if scale > diagonal * f64::from(MAX_SIDE) {
+            PaintProblem::ScaleTooLarge { scale, diagonal }
+        } else if scale < least {
+            PaintProblem::ScaleTooSmall { scale, diagonal, least }
+        } else {
+            return Ok(());
+        };
+        Err(PaintError::new(key, problem))
     }
 }

@@ -244,6 +244,15 @@ fn regions_are_painted_by_name() {
     let paint = |name: &str| canvas.faces(None, &[area(AreaKind::Region(name.to_owned()), 0.25)]);
     let found: Vec<u32> = paint("peel").unwrap().iter().map(|f| f.face).collect();
     assert_eq!(found, [1, 3]);
+    // Of two that are painted one over the other, nothing is left of the first: told by both keys.
+    let named =
+        |key: &str, depth| Area { key: key.to_owned(), depth, ..area(AreaKind::Region("peel".into()), 0.0) };
+    let over = canvas.faces(Some(0.0), &[named("depth.region[0]", 0.2), named("depth.region[1]", 0.4)]);
+    let over = over.unwrap_err();
+    assert_eq!(over.key, "depth.region[0]");
+    assert!(matches!(&*over.problem, PaintProblem::PaintedOver { by, .. } if by == &["depth.region[1]"]));
+    assert!(over.problem.to_string().contains("`depth.region[1]` paints over all"), "{}", over.problem);
+    assert!(canvas.faces(None, &[named("depth.region[0]", 0.2), named("depth.region[1]", 0.2)]).is_ok());
     assert!(matches!(*paint("gone").unwrap_err().problem, PaintProblem::EmptyRegion { triangles: 1, .. }));
     assert!(matches!(*paint("stem").unwrap_err().problem, PaintProblem::Region(_)));
 }
@@ -314,7 +323,17 @@ fn scales_are_set_where_a_picture_shows_them() {
     let told = [at("scale.at[0]", Spot::Point(DVec3::X), 0.2)];
     let run = |at: &[ScaleAt]| canvas.scale("scale", 1.0, at, &Exec::default());
     let (seen, told) = (run(&seen).unwrap(), run(&told).unwrap());
-    assert!(seen.iter().zip(&told).all(|(a, b)| (a / b - 1.0).abs() < 0.1));
+    assert!(seen.field.iter().zip(&told.field).all(|(a, b)| (a / b - 1.0).abs() < 0.1));
+    // Past all sense: 4096 voxels would not do for the one, 2³² tetrahedra not for the other.
+    for (scale, large) in [(1e300, true), (20_000.0, true), (1e-5, false), (1e-300, false)] {
+        let error = canvas.scale("scale", 1.0, &[at("scale.at[7]", pick.clone(), scale)], &Exec::default());
+        let error = error.unwrap_err();
+        assert_eq!(error.key, "scale.at[7]");
+        let found = matches!(*error.problem, PaintProblem::ScaleTooLarge { .. });
+        assert!(found == large && error.problem.to_string().len() < 300, "{}", error.problem);
+        let error = canvas.scale("scale", scale, &[], &Exec::default()).unwrap_err();
+        assert_eq!(error.key, "scale.everywhere (--scale)");
+    }
     let two = [at("scale.at[0]", pick.clone(), 0.2), at("scale.at[1]", pick, 0.4)];
     let error = run(&two).unwrap_err();
     assert_eq!(error.key, "scale.at[1]");
@@ -348,7 +367,7 @@ fn what_cannot_be_painted_is_named() {
     assert!(matches!(no_depth, PaintProblem::NoDepth));
     let flat: Vec<f64> = depth.iter().map(|d| 0.2 + 0.1 * d).collect();
     let empty = canvas.lines(&screen(&across, side(), Ground::Whole, Some(0.5)), Some(&flat)).unwrap_err();
-    assert!(empty.to_string().contains("from 0.2000 to 0.3000"), "{empty}");
+    assert!(empty.to_string().contains("from 0.2 to 0.3"), "{empty}");
     let picks = |picks| canvas.faces(None, &[area(AreaKind::Faces(picks), 0.0)]).unwrap_err().problem;
     assert!(matches!(*picks(Picks::At(vec![DVec3::X * 2.0])), PaintProblem::FarPick { .. }));
     let corner = Picks::Screen { points: vec![DVec2::ZERO], view: view(side()) };
@@ -360,5 +379,5 @@ fn what_cannot_be_painted_is_named() {
     assert!(error.key == "depth.stroke[0]" && matches!(*error.problem, PaintProblem::StrokeMisses));
     let one = DepthPaint { skin: Some(0.5), ..DepthPaint::default() };
     let error = canvas.depth("along", &one, &DepthParams::default(), None, &Exec::default()).unwrap_err();
-    assert!(error.key == "along" && matches!(*error.problem, PaintProblem::OneDepth(0.5)));
+    assert!(error.key == "along" && matches!(*error.problem, PaintProblem::OneValue(Some(0.5))));
 }

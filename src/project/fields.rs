@@ -12,16 +12,15 @@ use crate::field::{self, DepthField};
 use crate::lap::{Fields, LappedSolid, bare};
 use crate::mesh::{TetMesh, Wear};
 use crate::paint::{Canvas, Ground};
+use crate::render::{Mark, Painted};
 
 /// The fields of a part, and the strokes in space that made them.
 #[derive(Debug, Clone)]
 pub(super) struct PaintedFields {
     /// The fields.
     pub(super) fields: Fields,
-    /// Strokes of depth.
-    pub(super) depth_strokes: Vec<field::DepthStroke>,
-    /// Strokes of direction.
-    pub(super) direction_strokes: Vec<field::DirectionStroke>,
+    /// Where what was painted lies.
+    pub(super) marks: Vec<Mark>,
 }
 
 /// Makes the fields. `wear` is what the mesh's surface wears.
@@ -34,22 +33,21 @@ pub(super) fn painted_fields(
 ) -> Result<PaintedFields, PartError> {
     let pieces = pieces(part, mesh, exec)?;
     let canvas = Canvas::new(mesh, wear, &pieces);
-    let mut depth_strokes = Vec::new();
-    let mut painted = |name: &str, input: &Option<DepthInput>, depth: Option<&DepthField>| {
-        let Some(input) = input else { return Ok(None) };
-        let layers = depth.map(|d| d.values.as_slice());
-        let made = canvas.depth(name, &input.paint, &input.params, layers, exec)?;
-        report.section(&format!("{name}_field"), &made.field.report);
-        if name == "depth" {
-            depth_strokes.extend(made.paint.strokes);
-        }
-        Ok::<_, PartError>(Some(made.field))
-    };
-    let depth = painted("depth", &part.depth, None)?;
+    let mut marks = Vec::new();
+    let mut painted =
+        |name: &str, input: &Option<DepthInput>, depth: Option<&DepthField>, mark: fn(Painted) -> Mark| {
+            let Some(input) = input else { return Ok(None) };
+            let layers = depth.map(|d| d.values.as_slice());
+            let made = canvas.depth(name, &input.paint, &input.params, layers, exec)?;
+            report.section(&format!("{name}_field"), &made.field.report);
+            let strokes = made.paint.strokes.into_iter();
+            marks.extend(strokes.map(|s| mark(Painted { points: s.points, value: s.depth })));
+            Ok::<_, PartError>(Some(made.field))
+        };
+    let depth = painted("depth", &part.depth, None, Mark::Depth)?;
     // Layers are those of depth in the other two as well.
-    let along = painted("along", &part.along, depth.as_ref())?;
-    let across = painted("across", &part.across, depth.as_ref())?;
-    let mut direction_strokes = Vec::new();
+    let along = painted("along", &part.along, depth.as_ref(), Mark::Along)?;
+    let across = painted("across", &part.across, depth.as_ref(), Mark::Across)?;
     let direction = match &part.direction {
         Some(DirectionInput::Constant(v)) => {
             if v.try_normalize().is_none() {
@@ -59,18 +57,23 @@ pub(super) fn painted_fields(
         }
         Some(DirectionInput::Strokes(strokes, params)) => {
             let made = canvas.direction("direction", strokes, params, depth.as_ref(), exec)?;
-            direction_strokes = made.strokes;
+            marks.extend(made.strokes.into_iter().map(|s| Mark::Direction(s.points)));
             Some(made.field)
         }
         None => None,
     };
     let scale = match &part.scale {
-        Some(input) => Some(canvas.scale("scale", input.everywhere, &input.at, exec)?),
+        Some(input) => {
+            let made = canvas.scale("scale", input.everywhere, &input.at, exec)?;
+            let dot = |s: field::ScaleAt| Mark::Scale(Painted { points: vec![s.point], value: s.scale });
+            marks.extend(made.at.into_iter().map(dot));
+            Some(made.field)
+        }
         None => None,
     };
     let [depth, along, across] = [depth, along, across].map(|f| f.map(|f| f.values));
     let fields = Fields { depth, direction, scale, along, across };
-    Ok(PaintedFields { fields, depth_strokes, direction_strokes })
+    Ok(PaintedFields { fields, marks })
 }
 
 /// The pieces on which something is painted, of the mesh as it is before it is filled, with all others of their cuts.

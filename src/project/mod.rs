@@ -23,8 +23,8 @@ pub use file::{CutEntry, ExportEntry, PictureEntry};
 pub use models::Models;
 pub use output::{OutputError, OutputFile, OutputFolder};
 pub use part::{
-    DepthInput, DirectionInput, MAX_REFINE_SINGULAR, MadePart, Part, PartMesh, ScaleInput, fill_part,
-    is_tet_file, painted_part, tet_mesh,
+    DepthInput, DirectionInput, MAX_REFINE_SINGULAR, MAX_REFINED, MadePart, Part, PartMesh, ScaleInput,
+    fill_part, is_tet_file, painted_part, tet_mesh,
 };
 pub use part_error::PartError;
 pub use plan::{Along, Cut, Model, Picture, Project};

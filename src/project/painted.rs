@@ -101,8 +101,7 @@ pub(super) struct DirectionTable {
     pub(super) constant: Option<DVec3>,
     #[serde(default)]
     pub(super) stroke: Vec<DirectionStrokeEntry>,
-    #[serde(default)]
-    pub(super) smooth: DirectionParams,
+    pub(super) smooth: Option<DirectionParams>,
 }
 
 /// `[[direction.stroke]]`: a line along which texture x runs.
@@ -222,6 +221,10 @@ impl Tables<'_> {
             (Some(v), true) if v.try_normalize().is_none() => {
                 Err(choice("the constant direction is zero or not finite"))
             }
+            (Some(_), true) if table.smooth.is_some() => Err(ProjectProblem::Choice {
+                key: "direction.smooth".to_owned(),
+                choice: "it says how strokes are smoothed, and a constant direction has none: leave it out",
+            }),
             (Some(v), true) => Ok(DirectionInput::Constant(v)),
             (None, false) => {
                 let mut strokes = Vec::new();
@@ -232,7 +235,7 @@ impl Tables<'_> {
                         self.place(&key, Where { points, screen, svg, id, camera, from, on, layer })?;
                     strokes.push(DirectionStroke { key, place });
                 }
-                Ok(DirectionInput::Strokes(strokes, table.smooth))
+                Ok(DirectionInput::Strokes(strokes, table.smooth.unwrap_or_default()))
             }
         }
     }

@@ -8,7 +8,7 @@ use std::time::Instant;
 use glam::DVec3;
 use serde_json::json;
 
-use super::fields::{PaintedFields, painted_fields};
+use super::fields::painted_fields;
 use super::part_error::PartError;
 use super::plan::Cut;
 use crate::exec::Exec;
@@ -22,6 +22,9 @@ use crate::volume;
 
 /// The most levels of refinement at singularities.
 pub const MAX_REFINE_SINGULAR: u32 = 6;
+
+/// The most tetrahedra of a mesh that is refined at singularities.
+pub const MAX_REFINED: usize = 1_000_000;
 
 /// All that makes one filled model.
 #[derive(Debug, Clone)]
@@ -86,11 +89,22 @@ impl Part {
     /// Checks that what is given is what the texture's type draws on \[LST 3, 4\].
     ///
     /// # Errors
-    /// [`PartError::Needs`], [`PartError::Takes`], [`PartError::RefineLevels`].
+    /// [`PartError::Needs`], [`PartError::Takes`], [`PartError::RefineLevels`], [`PartError::RefineNothing`].
     pub fn check(&self) -> Result<(), PartError> {
         let kind = self.kind;
         if self.refine_singular > MAX_REFINE_SINGULAR {
             return Err(PartError::RefineLevels(self.refine_singular));
+        }
+        if self.refine_singular > 0 {
+            let constant = matches!(self.direction, Some(DirectionInput::Constant(_)));
+            let why = match kind {
+                TextureType::Type0 => Some("texture type 0 has no frames"),
+                TextureType::Type1a if constant => Some("a constant direction is singular nowhere"),
+                _ => None,
+            };
+            if let Some(why) = why {
+                return Err(PartError::RefineNothing(why));
+            }
         }
         let given = [
             self.depth.is_some(),
@@ -226,8 +240,6 @@ pub fn is_tet_file(path: &Path) -> bool {
 pub struct MadePart {
     /// The model.
     pub solid: LappedSolid,
-    /// The painted strokes, to be drawn over pictures of the fields.
-    pub marks: Vec<Mark>,
     /// What was done.
     pub report: Report,
 }
@@ -249,10 +261,10 @@ pub fn fill_part(part: &Part, seed: u64, mesher: &Mesher, exec: &Exec) -> Result
     let (mut solid, filled) = lap::fill(mesh, Arc::new(texture), part.kind, &fields, &part.fill, seed, exec)
         .map_err(PartError::Fill)?;
     solid.look = look;
-    solid.settings = settings(part, seed);
+    solid.settings = settings(part, seed, &marks);
     report.add(&filled);
     report.took("fill", start);
-    Ok(MadePart { solid, marks, report })
+    Ok(MadePart { solid, report })
 }
 
 /// A part as it is painted, before it is filled: reads its mesh, makes the tetrahedra and the fields. Its solid
@@ -266,8 +278,8 @@ pub fn painted_part(part: &Part, mesher: &Mesher, exec: &Exec) -> Result<MadePar
     let Painted { mesh, fields, look, marks } = painted(part, mesher, &mut report, exec)?;
     let mut solid = lap::unfilled(mesh, part.kind, &fields);
     solid.look = look;
-    solid.settings = settings(part, 0);
-    Ok(MadePart { solid, marks, report })
+    solid.settings = settings(part, 0, &marks);
+    Ok(MadePart { solid, report })
 }
 
 /// All that a fill begins with.
@@ -287,12 +299,15 @@ fn painted(part: &Part, mesher: &Mesher, report: &mut Report, exec: &Exec) -> Re
     let start = Instant::now();
     let mut painted = painted_fields(part, &mesh, &wear, report, exec)?;
     let mut singular = singularities(part, &mesh, &painted.fields);
-    for _ in 0..part.refine_singular {
+    for level in 1..=part.refine_singular {
         if singular.tets.is_empty() {
             break;
         }
         exec.check()?;
+        // Each marked tetrahedron makes at least eight.
+        refinable(part.refine_singular, level, mesh.tets.len() + 7 * singular.tets.len())?;
         mesh = mesh::refine(&mesh, &singular.tets).map_err(PartError::Refine)?;
+        refinable(part.refine_singular, level, mesh.tets.len())?;
         if part.kind.inputs().depth {
             // A halved edge of a thin part's surface may join it to itself.
             mesh = split_for_depth(part, &mesh, exec)?.0;
@@ -306,17 +321,15 @@ fn painted(part: &Part, mesher: &Mesher, report: &mut Report, exec: &Exec) -> Re
     report.count("singular_tets", singular.tets.len());
     report.count("singularities", singular.curves);
     report.took("fields", start);
-    Ok(Painted { mesh, look, marks: marks(&painted), fields: painted.fields })
+    Ok(Painted { mesh, look, marks: painted.marks, fields: painted.fields })
 }
 
-/// The strokes as they lie in space, to be drawn over pictures.
-fn marks(painted: &PaintedFields) -> Vec<Mark> {
-    let depth = painted.depth_strokes.iter();
-    let direction = painted.direction_strokes.iter();
-    depth
-        .map(|s| Mark::Depth { points: s.points.clone(), depth: s.depth })
-        .chain(direction.map(|s| Mark::Direction { points: s.points.clone() }))
-        .collect()
+/// Refuses a level of refinement that makes too many tetrahedra.
+fn refinable(asked: u32, level: u32, tetrahedra: usize) -> Result<(), PartError> {
+    if tetrahedra <= MAX_REFINED {
+        return Ok(());
+    }
+    Err(PartError::RefineLimit { asked, level, tetrahedra })
 }
 
 fn split_for_depth(part: &Part, mesh: &TetMesh, exec: &Exec) -> Result<(TetMesh, mesh::Splits), PartError> {
@@ -362,8 +375,9 @@ fn look(part: &Part, surface: TriMesh, wear: &Wear, notes: &[String]) -> Result<
     })
 }
 
-/// What made a model, for the record: every setting, but no path.
-fn settings(part: &Part, seed: u64) -> serde_json::Value {
+/// What made a model, for the record: every setting, but no path; and where what was painted lies, to be drawn over
+/// pictures.
+fn settings(part: &Part, seed: u64, marks: &[Mark]) -> serde_json::Value {
     let direction = part.direction.as_ref().map(|d| match d {
         DirectionInput::Constant(v) => json!({ "constant": v }),
         DirectionInput::Strokes(strokes, params) => json!({ "stroke": strokes, "smooth": params }),
@@ -380,6 +394,7 @@ fn settings(part: &Part, seed: u64) -> serde_json::Value {
         "direction": direction,
         "scale": part.scale.as_ref().map(|s| json!({ "everywhere": s.everywhere, "at": s.at })),
         "fill": part.fill,
+        (Mark::KEY): marks,
     });
     for (name, input) in [("along", &part.along), ("across", &part.across)] {
         if let Some(input) = painted(input) {
@@ -387,4 +402,19 @@ fn settings(part: &Part, seed: u64) -> serde_json::Value {
         }
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refinement_has_a_limit_that_names_the_levels() {
+        assert!(refinable(6, 6, MAX_REFINED).is_ok());
+        let error = refinable(6, 4, MAX_REFINED + 1).unwrap_err().to_string();
+        assert!(
+            error.contains("refine_singular = 6: level 4") && error.contains("ask for 3 levels"),
+            "{error}"
+        );
+    }
 }

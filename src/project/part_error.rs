@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::part::MAX_REFINE_SINGULAR;
+use super::part::{MAX_REFINE_SINGULAR, MAX_REFINED};
 use crate::cut::CutError;
 use crate::exec::Cancelled;
 use crate::lap::{FillError, LookError, TextureType};
@@ -73,6 +73,25 @@ pub enum PartError {
         "refine_singular is {0}; it must be 0 to {MAX_REFINE_SINGULAR}: each level halves the edges there"
     )]
     RefineLevels(u32),
+    /// Refinement of what is not there.
+    #[error(
+        "refine_singular (--refine-singular on the command line) would refine nothing: {0}; leave it out"
+    )]
+    RefineNothing(&'static str),
+    /// More tetrahedra than refinement may make.
+    #[error(
+        "refine_singular = {asked}: level {level} would make at least {tetrahedra} tetrahedra, and refinement may make \
+         {MAX_REFINED}; ask for {} levels, or for fewer tetrahedra to begin with",
+        level - 1
+    )]
+    RefineLimit {
+        /// The levels asked for.
+        asked: u32,
+        /// The one that is too much.
+        level: u32,
+        /// The tetrahedra that it would make.
+        tetrahedra: usize,
+    },
     /// Something painted that cannot be used.
     #[error(transparent)]
     Paint(PaintError),

@@ -13,6 +13,7 @@ use crate::files::read_whole;
 use crate::lap::LappedSolid;
 use crate::mesh::TetParams;
 use crate::paint::View;
+use crate::render::RenderError;
 use crate::view::Stroke;
 
 /// Which model: the whole one or what a cut left of it.
@@ -156,9 +157,9 @@ impl Project {
         let pictures: Vec<Picture> =
             entries.into_iter().map(|entry| check::picture(entry, &names)).collect::<Result<_, _>>()?;
         for Picture { entry, .. } in &pictures {
-            entry.render.show.check(part.kind).map_err(|source| ProjectProblem::Render {
-                key: format!("picture '{}': render.show", entry.name),
-                source,
+            entry.render.check(part.kind).map_err(|source| {
+                let key = if matches!(source, RenderError::LayerOf(_)) { "layer" } else { "show" };
+                ProjectProblem::Render { key: format!("picture '{}': render.{key}", entry.name), source }
             })?;
         }
         if let Some(name) = check::repeated(pictures.iter().map(|p| p.entry.name.as_str())) {

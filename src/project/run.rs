@@ -20,7 +20,7 @@ use crate::export::{ExportError, export};
 use crate::files::read_whole;
 use crate::lap::LappedSolid;
 use crate::mesh::Mesher;
-use crate::render::{Mark, Placed, RenderError, frame_all, frame_all_from, render_marked};
+use crate::render::{Placed, RenderError, frame_all, frame_all_from, render};
 
 /// The file that a run writes its numbers to: the only one that has timings.
 pub const REPORT_FILE: &str = "report.json";
@@ -109,7 +109,7 @@ pub fn run(project: &Project, out: &Path, options: &RunOptions, exec: &Exec) -> 
         work.export(model, solid, exec)?;
     }
     for picture in &project.pictures {
-        work.draw(picture, &models, &made.marks, exec)?;
+        work.draw(picture, &models, exec)?;
     }
     work.report.took("total", start);
     work.finish(&earlier, may_replace)
@@ -182,13 +182,7 @@ impl Work<'_> {
         Ok(())
     }
 
-    fn draw(
-        &mut self,
-        picture: &Picture,
-        models: &Models<'_>,
-        marks: &[Mark],
-        exec: &Exec,
-    ) -> Result<(), RunError> {
+    fn draw(&mut self, picture: &Picture, models: &Models<'_>, exec: &Exec) -> Result<(), RunError> {
         let start = Instant::now();
         let entry = &picture.entry;
         let shown = models.shown(&picture.show, || format!("the picture '{}'", entry.name))?;
@@ -200,7 +194,7 @@ impl Work<'_> {
             (None, None) => frame_all(&placed, aspect),
         };
         let failed = |source| RunError::Picture { name: entry.name.clone(), source };
-        let drawn = render_marked(&placed, marks, &camera, &entry.render, exec).map_err(failed)?;
+        let drawn = render(&placed, &camera, &entry.render, exec).map_err(failed)?;
         self.put(&format!("{}.png", entry.name), "picture", &drawn.to_png())?;
         self.report.took("render", start);
         Ok(())

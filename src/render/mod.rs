@@ -28,11 +28,12 @@ pub use background::{Background, BackgroundError};
 pub use frame::{frame_all, frame_all_from};
 pub use params::{MAX_PICTURE_SIDE, PictureSize, PictureSizeError, RenderParams};
 pub use picture::{Difference, Picture, PictureError};
-pub use show::{Mark, Show};
+pub use show::{Mark, Painted, Show};
 pub use surface::{CREASE_DEG, Surface, SurfacePoint};
 
 use crate::exec::{Cancelled, Exec};
-use crate::lap::LappedSolid;
+use crate::lap::{LappedSolid, TextureType};
+use crate::number::Short;
 use crate::view::{Camera, CameraError};
 use light::Light;
 use overlay::Overlay;
@@ -91,6 +92,28 @@ pub enum RenderError {
         /// Why there is none, and what would help.
         why: String,
     },
+    /// No depth.
+    #[error("the layer {0} is no depth: it lies between 0 (outside) and 1 (innermost)")]
+    Layer(f64),
+    /// A layer where there is no depth.
+    #[error("`layer` is an isosurface of depth, and texture type {0} has no depth; leave it out")]
+    LayerOf(TextureType),
+    /// Singular edges on a layer.
+    #[error(
+        "singular edges lie inside the model and on no layer; leave `layer` out, or show something else on it"
+    )]
+    LayerOfEdges,
+    /// No solid has the depth.
+    #[error("the layer of depth {layer} is empty: depth runs from {} to {}; choose a layer between them",
+        Short(*.from), Short(*.to))]
+    EmptyLayer {
+        /// The depth.
+        layer: f64,
+        /// The least depth of what is drawn.
+        from: f64,
+        /// The greatest.
+        to: f64,
+    },
     /// A solid's offset is NaN or infinite.
     #[error("the offset of solid {solid} is not finite")]
     Offset {
@@ -122,26 +145,15 @@ pub enum RenderError {
 /// looked up [`RenderParams::samples`] times a pixel, within each visible triangle. A colour with
 /// alpha < 1 is blended over the background, not over what lies behind it.
 ///
+/// With [`RenderParams::layer`] the solids' layers of that depth are drawn instead of their boundaries.
+///
+/// Where the picture shows what was painted, the strokes ([`Mark::all`]) are drawn over it. They move with their
+/// solid, and are hidden where they lie deep below what the picture shows.
+///
 /// # Errors
 /// [`RenderError`]: bad settings, no memory, nothing of what is to be shown, cancelled.
 pub fn render(
     solids: &[Placed<'_>],
-    camera: &Camera,
-    params: &RenderParams,
-    exec: &Exec,
-) -> Result<Picture, RenderError> {
-    render_marked(solids, &[], camera, params, exec)
-}
-
-/// As [`render`], with the painted strokes drawn over what they paint: those of depth where
-/// [`RenderParams::show`] is [`Show::Depth`], those of direction where it is [`Show::Direction`]. A stroke
-/// moves with each solid, and is hidden where it lies deep below what the picture shows.
-///
-/// # Errors
-/// As [`render`].
-pub fn render_marked(
-    solids: &[Placed<'_>],
-    marks: &[Mark],
     camera: &Camera,
     params: &RenderParams,
     exec: &Exec,
@@ -153,6 +165,16 @@ pub fn render_marked(
     if let Some(solid) = solids.iter().position(|p| !p.offset.is_finite()) {
         return Err(RenderError::Offset { solid });
     }
+
+    let layers = layers(solids, params, exec)?;
+    let placed: Vec<Placed<'_>>;
+    let solids = match &layers {
+        Some(layers) => {
+            placed = layers.iter().map(|(solid, offset)| Placed { solid, offset: *offset }).collect();
+            &placed[..]
+        }
+        None => solids,
+    };
 
     let pixels = width as usize * height as usize;
     let memory = |_| RenderError::Memory { width, height, bytes: pixels as u64 * 4 };
@@ -184,7 +206,7 @@ pub fn render_marked(
     })?;
     if subject.has_overlay() {
         exec.install(|| {
-            let overlay = Overlay::new(subject.overlay(&scene, &visible, marks, &view, params, exec)?);
+            let overlay = Overlay::new(subject.overlay(&scene, &visible, &view, params, exec)?);
             rgba.par_chunks_mut(rows).enumerate().try_for_each(|(band, out)| {
                 exec.check()?;
                 overlay.draw(width as usize, band * raster::TILE as usize, out);
@@ -193,6 +215,29 @@ pub fn render_marked(
         })?;
     }
     Ok(Picture { width, height, rgba })
+}
+
+/// The layers of a depth, of the solids that have it, and where they stand; `None` where no layer is asked for.
+fn layers(
+    solids: &[Placed<'_>],
+    params: &RenderParams,
+    exec: &Exec,
+) -> Result<Option<Vec<(LappedSolid, DVec3)>>, RenderError> {
+    let Some(layer) = params.layer else { return Ok(None) };
+    let mut found = Vec::new();
+    for placed in solids {
+        exec.check()?;
+        if let Some(kind) = placed.solid.kind() {
+            params.check(kind)?;
+        }
+        found.extend(placed.solid.isosurface(layer).map(|sheet| (sheet, placed.offset)));
+    }
+    if found.is_empty() {
+        let depths = || solids.iter().flat_map(|p| p.solid.depth.iter().copied());
+        let (from, to) = (depths().fold(f64::INFINITY, f64::min), depths().fold(f64::NEG_INFINITY, f64::max));
+        return Err(RenderError::EmptyLayer { layer, from, to });
+    }
+    Ok(Some(found))
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::{Background, RenderError, Show};
+use crate::lap::TextureType;
 
 /// The longest side of a picture, in pixels.
 pub const MAX_PICTURE_SIDE: u32 = 16384;
@@ -23,6 +24,10 @@ pub struct RenderParams {
     /// What is shown: the texture, or what was painted and how it was lapped in false colours
     #[arg(long, value_enum, default_value_t = RenderParams::default().show)]
     pub show: Show,
+    /// Shows the layer of this depth, 0 to 1, instead of the outside: the surface that strokes with `layer` lie on
+    #[arg(long, value_name = "DEPTH", allow_negative_numbers = true)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layer: Option<f64>,
     /// Colour behind the solids: #rrggbb, #rrggbbaa, transparent, or a name such as white
     #[arg(long, value_name = "COLOUR", default_value_t = RenderParams::default().background)]
     pub background: Background,
@@ -48,6 +53,7 @@ impl Default for RenderParams {
             width: 1024,
             height: 1024,
             show: Show::Texture,
+            layer: None,
             background: Background::WHITE,
             samples: 4,
             light_azimuth_deg: -20.0,
@@ -79,7 +85,23 @@ impl RenderParams {
                 return Err(RenderError::Light { name, value, least, most });
             }
         }
-        Ok(())
+        match self.layer {
+            Some(layer) if !(0.0..=1.0).contains(&layer) => Err(RenderError::Layer(layer)),
+            Some(_) if self.show == Show::Singularities => Err(RenderError::LayerOfEdges),
+            _ => Ok(()),
+        }
+    }
+
+    /// Checks that a texture of this type has what is to be shown.
+    ///
+    /// # Errors
+    /// [`RenderError::Nothing`], [`RenderError::LayerOf`].
+    pub fn check(&self, kind: TextureType) -> Result<(), RenderError> {
+        self.show.check(kind)?;
+        match self.layer {
+            Some(_) if !kind.inputs().depth => Err(RenderError::LayerOf(kind)),
+            _ => Ok(()),
+        }
     }
 }
 

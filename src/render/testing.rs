@@ -48,6 +48,8 @@ fn lapped(mesh: TetMesh, texture: SolidTexture) -> LappedSolid {
     let uvw = |v: u32| ((mesh.vertices[v as usize] + 1.0) * 0.5).as_vec3().to_array();
     LappedSolid {
         depth: vec![0.0; mesh.vertices.len()],
+        along: Vec::new(),
+        across: Vec::new(),
         frame: vec![[DVec3::X * 2.0, DVec3::Y * 2.0, DVec3::Z * 2.0]; mesh.vertices.len()],
         layer_start: (0..=count as u32).collect(),
         layer_patch: vec![0; count],

@@ -278,6 +278,8 @@ fn without_layers(solid: &LappedSolid) -> LappedSolid {
     LappedSolid {
         mesh: solid.mesh.clone(),
         depth: solid.depth.clone(),
+        along: Vec::new(),
+        across: Vec::new(),
         frame: solid.frame.clone(),
         layer_start: vec![0; solid.layer_start.len()],
         layer_patch: Vec::new(),

@@ -84,6 +84,8 @@ pub fn solid(n: u32, ball: bool, jitter: f64, seed: u64) -> LappedSolid {
     let masks = vec![mask(&mut draw), mask(&mut draw)];
     let mut solid = LappedSolid {
         depth: mesh.vertices.iter().map(|p| 1.0 - p.length().min(1.0)).collect(),
+        along: Vec::new(),
+        across: Vec::new(),
         frame: mesh.vertices.iter().map(|_| [DVec3::X, DVec3::Y * 0.5, DVec3::Z]).collect(),
         layer_start: vec![0],
         layer_patch: Vec::new(),

@@ -22,8 +22,8 @@ fn look() -> Look {
         colours: Vec::new(),
         material: vec![0, 0, 1, NONE],
         materials: vec![
-            Material { name: "a".into(), colour: [255; 4], picture: Some(0) },
-            Material { name: "b".into(), colour: [0, 0, 0, 255], picture: None },
+            Material { name: "a".into(), colour: [255; 4], picture: Some(0), ..Material::default() },
+            Material { name: "b".into(), colour: [0, 0, 0, 255], ..Material::default() },
         ],
         pictures: vec![picture()],
         ..Wear::default()
@@ -49,9 +49,34 @@ fn pictures_are_interpolated_in_linear_light_and_repeat() {
             // A fifth of white beside blue: the mean by alpha.
             (0.5, 0.75, [1.0 / 6.0, 1.0 / 6.0, 1.0, 0.6]),
         ] {
-            let found = sample(&p, [u + turns, v - turns]);
+            let found = sample(&p, [Wrap::Repeat; 2], [u + turns, v - turns]);
             assert!(tolerance <= 1e-12);
             near(found, colour);
+        }
+    }
+}
+
+#[test]
+fn pictures_may_be_clamped_and_mirrored() {
+    let p = picture();
+    let [left, right] = [[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0]];
+    let middle = [0.5, 0.5, 0.0, 1.0];
+    for (wrap, cases) in [
+        (Wrap::Clamp, [(-7.0, left), (0.0, left), (0.25, left), (0.5, middle), (1.0, right), (2.3, right)]),
+        (
+            Wrap::Mirror,
+            [(0.0, left), (-0.25, left), (-0.5, middle), (1.0, right), (1.25, right), (1.75, left)],
+        ),
+    ] {
+        for (u, colour) in cases {
+            near(sample(&p, [wrap, Wrap::Repeat], [u, 0.25]), colour);
+        }
+    }
+    // Down the picture: red above blue.
+    near(sample(&p, [Wrap::Repeat, Wrap::Mirror], [0.25, 1.25]), [0.0, 0.0, 1.0, 1.0]);
+    for at in [f64::MAX, -f64::MAX, 1e300, -1e-300] {
+        for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
+            assert!(sample(&p, [wrap; 2], [at, at]).iter().all(|c| c.is_finite()));
         }
     }
 }

@@ -5,22 +5,14 @@ use std::fmt;
 use glam::DVec3;
 
 use super::Defects;
+use crate::number::Short;
 
 /// A point in a message: as many digits as help to find it.
 struct Near(DVec3);
 
 impl fmt::Display for Near {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let coordinate = |x: f64| {
-            // Four significant digits, without an exponent where there is room.
-            let short: f64 = format!("{x:.3e}").parse().unwrap_or(x);
-            if short != 0.0 && !(1e-4..1e7).contains(&short.abs()) {
-                format!("{short:e}")
-            } else {
-                format!("{short}")
-            }
-        };
-        write!(f, "({}, {}, {})", coordinate(self.0.x), coordinate(self.0.y), coordinate(self.0.z))
+        write!(f, "({}, {}, {})", Short(self.0.x), Short(self.0.y), Short(self.0.z))
     }
 }
 

@@ -85,10 +85,13 @@ pub enum MeshFault {
         count: usize,
     },
     /// Nothing to fill.
-    #[error("it has {vertices} vertices but no faces: a solid needs a surface")]
+    #[error("it has {vertices} vertices but no faces, and a solid needs a surface{}",
+        notes.iter().map(|note| format!("; {note}")).collect::<String>())]
     NoFaces {
         /// How many vertices it has.
         vertices: usize,
+        /// What was passed over.
+        notes: Vec<String>,
     },
     /// More than a mesh may have.
     #[error("it has more than {MAX_MESH_ELEMENTS} {0}; simplify it first")]
@@ -113,7 +116,17 @@ fn extension_said(extension: &str) -> String {
     if extension.is_empty() {
         "its name has no extension to tell the format by".to_owned()
     } else {
-        format!("the extension .{extension} is not known")
+        let remedy = match extension {
+            "fbx" | "blend" | "dae" | "3ds" | "max" | "ma" | "mb" | "c4d" | "lwo" | "x3d" | "usd"
+            | "usda" | "usdc" | "usdz" | "abc" => {
+                ": export it as glTF (.glb) or OBJ from the program that made it"
+            }
+            "step" | "stp" | "iges" | "igs" | "3mf" | "amf" | "scad" | "f3d" => {
+                ": export it as STL or OBJ from the program that made it"
+            }
+            _ => "",
+        };
+        format!("the extension .{extension} is not known{remedy}")
     }
 }
 

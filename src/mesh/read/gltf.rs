@@ -82,8 +82,22 @@ pub(super) fn read(bytes: &[u8], folder: &Path) -> Result<MeshFile, MeshFault> {
         stack.extend(children.into_iter().rev().map(|child| (child, scene_from_node)));
     }
     let mut file = scene.finish();
+    if file.mesh.triangles.is_empty() {
+        note(&mut file.notes, without_faces(&document, &seen));
+    }
     file.wear.regions.splice(0..0, objects.finish().chain(groups.finish()));
     Ok(file)
+}
+
+/// Why the scene shows no triangle, and what helps. `seen` says which nodes it holds.
+fn without_faces(document: &Document, seen: &[bool]) -> String {
+    let meshes = document.meshes().len();
+    let shown = document.nodes().filter(|node| seen[node.index()] && node.mesh().is_some()).count();
+    match (meshes, shown) {
+        (0, _) => "there is no mesh in it".to_owned(),
+        (_, 0) => format!("its scene shows none of its {meshes} meshes: export them as parts of the scene"),
+        _ => "its meshes have no triangles (points and lines are passed over)".to_owned(),
+    }
 }
 
 fn mesh_name(mesh: &::gltf::Mesh<'_>) -> String {
@@ -415,9 +429,6 @@ impl<'a> Scene<'a> {
                 Err(why) => note(notes, passed_over("texture coordinates", &why)),
                 Ok(found) => {
                     let found: Vec<[f32; 2]> = found.into_iter().map(|at| dress.place(at)).collect();
-                    if dress.clamped && found.iter().flatten().any(|x| !(0.0..=1.0).contains(x)) {
-                        note(notes, format!("{}its picture is repeated, not clamped or mirrored", place()));
-                    }
                     wear.uv.resize(start, [[0.0; 2]; 3]);
                     wear.uv.extend(triangles.iter().map(|t| t.map(|v| found[v as usize])));
                 }

@@ -87,7 +87,7 @@ fn read_bytes(bytes: &[u8], extension: &str, folder: &Path) -> Result<MeshFile, 
         _ => return Err(MeshFault::Extension(extension.to_owned())),
     }?;
     if file.mesh.triangles.is_empty() {
-        return Err(MeshFault::NoFaces { vertices: file.mesh.vertices.len() });
+        return Err(MeshFault::NoFaces { vertices: file.mesh.vertices.len(), notes: file.notes });
     }
     Ok(file)
 }
@@ -118,6 +118,24 @@ fn short(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_no_mesh_is_told_with_a_remedy() {
+        let dir = tempfile::tempdir().unwrap();
+        let said = |name: &str, text: &str| {
+            let path = dir.path().join(name);
+            std::fs::write(&path, text).unwrap();
+            read(&path).unwrap_err().fault.to_string()
+        };
+        assert!(said("a.fbx", "x").contains("export it as glTF (.glb) or OBJ"));
+        assert!(said("a.step", "x").contains("export it as STL or OBJ"));
+        let gltf = |rest: &str| said("a.gltf", &format!("{{\"asset\": {{\"version\": \"2.0\"}}{rest}}}"));
+        assert!(gltf("").contains("no faces, and a solid needs a surface; there is no mesh in it"));
+        let points = ", \"meshes\": [{\"primitives\": [{\"mode\": 0, \"attributes\": {}}]}]";
+        assert!(gltf(points).contains("its scene shows none of its 1 meshes"), "{}", gltf(points));
+        let shown = format!("{points}, \"nodes\": [{{\"mesh\": 0}}]");
+        assert!(gltf(&shown).contains("no triangles"), "{}", gltf(&shown));
+    }
 
     #[test]
     fn extensions_are_matched_in_any_case() {

@@ -7,7 +7,7 @@ use super::text::{Lines, number, shown, words};
 use super::{below, note, short};
 use crate::colour::byte;
 use crate::files;
-use crate::mesh::Material;
+use crate::mesh::{Material, Wrap};
 
 /// A material, and how its picture lies.
 pub(super) struct Described {
@@ -43,7 +43,7 @@ pub(super) fn read(
         let keyword = keyword.to_ascii_lowercase();
         if keyword == b"newmtl" {
             let name = super::obj::joined(values);
-            let material = Material { name, colour: [255; 4], picture: None };
+            let material = Material { name, colour: [255; 4], ..Material::default() };
             materials.push(Described { material, scale: [1.0; 2], offset: [0.0; 2] });
             continue;
         }
@@ -68,6 +68,7 @@ pub(super) fn read(
                 };
                 now.scale = map.scale;
                 now.offset = map.offset;
+                now.material.wrap = [map.wrap; 2];
                 let read = || beside(folder, &map.name);
                 let failed = |why| note(notes, format!("the picture {}: {why}", short(&map.name)));
                 now.material.picture = pictures.get(&map.name, Alpha::Blend, read, failed);
@@ -104,11 +105,12 @@ struct Map {
     name: String,
     scale: [f32; 2],
     offset: [f32; 2],
+    wrap: Wrap,
 }
 
 /// Options, each with its numbers or words, then the name (which may have spaces).
 fn map(mut rest: &[u8]) -> Option<Map> {
-    let mut map = Map { name: String::new(), scale: [1.0; 2], offset: [0.0; 2] };
+    let mut map = Map { name: String::new(), scale: [1.0; 2], offset: [0.0; 2], wrap: Wrap::Repeat };
     let word = |rest: &mut &[u8]| {
         *rest = rest.trim_ascii_start();
         let end = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
@@ -123,7 +125,12 @@ fn map(mut rest: &[u8]) -> Option<Map> {
             b"-s" | b"-o" | b"-t" => 1..=3,
             b"-mm" => 2..=2,
             b"-bm" | b"-boost" | b"-texres" => 1..=1,
-            b"-blendu" | b"-blendv" | b"-clamp" | b"-cc" | b"-imfchan" | b"-type" => {
+            b"-clamp" => {
+                map.wrap =
+                    if word(&mut rest).eq_ignore_ascii_case(b"on") { Wrap::Clamp } else { Wrap::Repeat };
+                continue;
+            }
+            b"-blendu" | b"-blendv" | b"-cc" | b"-imfchan" | b"-type" => {
                 word(&mut rest);
                 continue;
             }
@@ -175,6 +182,8 @@ mod tests {
         );
         // A name of digits after a full set of numbers.
         assert_eq!(of("-o 1 2 3 4.png").0, "4.png");
+        assert_eq!(map(b"-clamp on a.png").unwrap().wrap, Wrap::Clamp);
+        assert_eq!(map(b"-clamp off a.png").unwrap().wrap, Wrap::Repeat);
         assert!(map(b"").is_none() && map(b"-bm x.png").is_none());
     }
 }

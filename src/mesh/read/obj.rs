@@ -418,7 +418,12 @@ mod tests {
              usemtl skin\nf 1/1 2/2 3/3\nusemtl core\nf 1/-3/1 2/-2 3/9\nusemtl lost\nf 1//1 2 3\n"
         );
         let MeshFile { wear, notes, .. } = super::read(text.as_bytes(), dir.path()).unwrap();
-        let material = |name: &str, colour, picture| Material { name: name.to_owned(), colour, picture };
+        let material = |name: &str, colour, picture| Material {
+            name: name.to_owned(),
+            colour,
+            picture,
+            ..Material::default()
+        };
         assert_eq!(
             wear.materials,
             [

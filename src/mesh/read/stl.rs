@@ -20,7 +20,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriMesh, MeshFault> {
     // A binary header may say "solid" too; the length decides.
     let exact = promised == Some(bytes.len() as u64);
     let start = bytes.trim_ascii_start();
-    if !exact && start.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) {
+    // One that is cut short has another length than it promises; but then it has bytes that no text has.
+    let text = !bytes.iter().take(1024).any(|b| *b < b'\t');
+    if !exact && text && start.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) {
         return read_text(bytes);
     }
     match promised {
@@ -147,6 +149,19 @@ pub(super) mod tests {
         assert!(matches!(read(&bytes), Err(MeshFault::Malformed { place: Place::Byte(80), .. })));
         bytes[80..84].copy_from_slice(&0u32.to_le_bytes());
         assert_eq!(read(&bytes).unwrap().triangles.len(), 0);
+    }
+
+    #[test]
+    fn a_binary_file_that_is_cut_short_is_no_text() {
+        for header in [&b"something"[..], b"solid but binary"] {
+            let whole = binary(header, &[T, T]);
+            let fault = read(&whole[..whole.len() - 7]).unwrap_err().to_string();
+            assert!(
+                fault.contains("promises 2 triangles, 184 bytes in all, but the file has 177"),
+                "{fault}"
+            );
+            assert!(read(&whole[..60]).unwrap_err().to_string().contains("60 bytes where the header has 84"));
+        }
     }
 
     #[test]

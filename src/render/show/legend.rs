@@ -2,8 +2,10 @@
 
 use glam::{DVec2, DVec3};
 
+use super::values::Values;
 use super::{ISOLINE, Screen, Show, Subject, letters, maps};
 use crate::colour::{LinearRgba, linear_from_srgb};
+use crate::number::Short;
 use crate::render::RenderParams;
 use crate::render::overlay::Shape;
 
@@ -17,21 +19,17 @@ pub(super) fn add(shapes: &mut Vec<Shape>, screen: &Screen<'_>, subject: &Subjec
     }
     let size = f64::from(side);
     let ink = ink(params);
+    title(shapes, subject, params, size, ink);
     match subject.show {
         Show::Texture | Show::Patches | Show::Singularities => {}
-        Show::Depth => {
+        Show::Depth | Show::Along | Show::Across | Show::Scale => {
+            let Some(values) = &subject.values else { return };
             let bar = Bar::new(params, size);
-            // From the outside on top to the innermost.
-            bar.fill(shapes, 64, maps::depth);
-            for i in 1..10 {
-                let value = f64::from(i) * ISOLINE;
-                let y = bar.at(value);
-                let half = subject.unit * super::HALF_LINE * if i == 5 { 1.6 } else { 1.0 };
-                let line = [DVec2::new(bar.min.x, y), DVec2::new(bar.max.x, y)];
-                shapes.push(Shape::line(&line, half, maps::isoline(value), 0.85));
-            }
-            for (value, text) in [(0.0, "0"), (0.5, "0.5"), (1.0, "1")] {
-                bar.label(shapes, value, text, ink);
+            if values.is_one() {
+                bar.fill(shapes, 1, |value| values.colour(value));
+                bar.label(shapes, 0.5, &Short(values.number(0.5)).to_string(), ink);
+            } else {
+                scale_bar(shapes, &bar, values, subject.unit, ink);
             }
         }
         Show::Layers => {
@@ -51,6 +49,63 @@ pub(super) fn add(shapes: &mut Vec<Shape>, screen: &Screen<'_>, subject: &Subjec
     }
 }
 
+/// What is shown, and in which unit: in the lower left corner.
+fn title(shapes: &mut Vec<Shape>, subject: &Subject, params: &RenderParams, size: f64, ink: LinearRgba) {
+    let mut text = match subject.show {
+        Show::Texture => return,
+        Show::Depth => "depth: 0 outside, 1 innermost".to_owned(),
+        Show::Along => "along: texture x".to_owned(),
+        Show::Across => "across: texture z".to_owned(),
+        Show::Scale => "scale, in the mesh's unit".to_owned(),
+        Show::Direction => "direction of texture x".to_owned(),
+        Show::Layers => "layers of texture in a tetrahedron".to_owned(),
+        Show::Patches => "patches".to_owned(),
+        Show::Singularities => "singular edges".to_owned(),
+    };
+    if let Some(layer) = params.layer {
+        text += &format!(", on the layer {}", Short(layer));
+    }
+    let (margin, letter) = (margin(size), letter(size));
+    if 2.0 * margin + letters::width(&text, letter) <= f64::from(params.width) {
+        let corner = DVec2::new(margin, f64::from(params.height) - margin - letter);
+        // A rim, for where it lies over the solid.
+        letters::text(shapes, &text, corner, letter, letters::rim(letter), paper(params));
+        letters::text(shapes, &text, corner, letter, letters::stroke(letter), ink);
+    }
+}
+
+/// Between a picture's edge and its legend, in pixels.
+fn margin(size: f64) -> f64 {
+    (0.022 * size).max(4.0)
+}
+
+/// The height of letters, in pixels.
+fn letter(size: f64) -> f64 {
+    (0.017 * size).max(6.0)
+}
+
+/// From 0 on top to 1, with the lines and numbers of the picture.
+fn scale_bar(shapes: &mut Vec<Shape>, bar: &Bar, values: &Values, unit: f64, ink: LinearRgba) {
+    bar.fill(shapes, 64, |value| values.colour(value));
+    for i in 1..10 {
+        let value = f64::from(i) * ISOLINE;
+        let y = bar.at(value);
+        let half = unit * super::HALF_LINE * if i == 5 { 1.6 } else { 1.0 };
+        let line = [DVec2::new(bar.min.x, y), DVec2::new(bar.max.x, y)];
+        shapes.push(Shape::line(&line, half, maps::isoline(value), 0.85));
+    }
+    for value in [0.0, 0.5, 1.0] {
+        bar.label(shapes, value, &Short(values.number(value)).to_string(), ink);
+    }
+}
+
+/// What ink is written on.
+fn paper(params: &RenderParams) -> LinearRgba {
+    let [r, g, b, a] = params.background.0;
+    let [r, g, b, _] = maps::opaque(if a < 128 { [255; 3] } else { [r, g, b] });
+    [r, g, b, 0.8]
+}
+
 /// Dark on a light background, light on a dark one.
 fn ink(params: &RenderParams) -> LinearRgba {
     let [r, g, b, a] = params.background.0;
@@ -68,10 +123,9 @@ struct Bar {
 impl Bar {
     fn new(params: &RenderParams, size: f64) -> Self {
         let corner = DVec2::new(f64::from(params.width), f64::from(params.height));
-        let margin = (0.022 * size).max(4.0);
-        let max = (corner - margin).floor();
+        let max = (corner - margin(size)).floor();
         let min = (max - DVec2::new((0.022 * size).max(6.0), 0.24 * size)).floor();
-        Self { min, max, letter: (0.017 * size).max(6.0) }
+        Self { min, max, letter: letter(size) }
     }
 
     /// The y of a value in [0, 1]: 0 on top.
@@ -95,16 +149,17 @@ impl Bar {
     fn label(&self, shapes: &mut Vec<Shape>, value: f64, text: &str, ink: LinearRgba) {
         let y = (self.at(value) - self.letter * 0.5).clamp(self.min.y, self.max.y - self.letter);
         let x = self.min.x - 0.6 * self.letter - letters::width(text, self.letter);
-        letters::text(shapes, text, DVec2::new(x, y), self.letter, ink);
+        letters::text(shapes, text, DVec2::new(x, y), self.letter, letters::stroke(self.letter), ink);
     }
 }
 
 /// The axes x, y and z in their colours, as the camera sees them, in the lower left corner.
 fn axes(shapes: &mut Vec<Shape>, screen: &Screen<'_>, size: f64, ink: LinearRgba) {
     let length = (0.055 * size).max(14.0);
-    let letter = (0.017 * size).max(6.0);
+    let letter = letter(size);
     let room = length + 2.2 * letter;
-    let middle = DVec2::new(room, f64::from(screen.height) - room);
+    // Above the title.
+    let middle = DVec2::new(room, f64::from(screen.height) - room - margin(size) - letter);
     let mut all = [(DVec3::X, "x"), (DVec3::Y, "y"), (DVec3::Z, "z")];
     // Those that point away are drawn first.
     all.sort_by(|a, b| b.0.dot(screen.view.forward).total_cmp(&a.0.dot(screen.view.forward)));
@@ -115,6 +170,6 @@ fn axes(shapes: &mut Vec<Shape>, screen: &Screen<'_>, size: f64, ink: LinearRgba
         let beyond = end + on_screen.normalize_or(DVec2::Y) * (1.1 * letter);
         // Letters have their weight in the lower two thirds.
         let corner = beyond - DVec2::new(letters::width(name, letter) * 0.5, letter * 0.66);
-        letters::text(shapes, name, corner, letter, ink);
+        letters::text(shapes, name, corner, letter, letters::stroke(letter), ink);
     }
 }

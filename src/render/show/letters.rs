@@ -5,125 +5,124 @@ use glam::DVec2;
 use crate::colour::LinearRgba;
 use crate::render::overlay::{Segment, Shape};
 
-/// Lines on a grid 4 wide and 6 high, y down; an empty list for what there is no letter for.
-fn strokes(letter: char) -> &'static [&'static [[f64; 2]]] {
+/// The polylines of a letter, as words of points: a digit for x, 0 to 8, and a letter for y, `a` on top, `e` at the
+/// height of an x, `m` on the base line, `q` below it. Empty for what there is no letter for.
+fn strokes(letter: char) -> &'static str {
     match letter {
-        '0' => {
-            &[&[[1., 0.], [3., 0.], [4., 1.2], [4., 4.8], [3., 6.], [1., 6.], [0., 4.8], [0., 1.2], [1., 0.]]]
-        }
-        '1' => &[&[[0.8, 1.2], [2.2, 0.], [2.2, 6.]]],
-        '2' => &[&[[0., 1.3], [1., 0.], [3., 0.], [4., 1.3], [4., 2.2], [0., 6.], [4., 6.]]],
-        '3' => &[&[
-            [0., 0.],
-            [4., 0.],
-            [2., 2.4],
-            [3.2, 2.6],
-            [4., 3.6],
-            [4., 4.8],
-            [3., 6.],
-            [1., 6.],
-            [0., 5.],
-        ]],
-        '4' => &[&[[3., 6.], [3., 0.], [0., 4.2], [4., 4.2]]],
-        '5' => &[&[
-            [3.8, 0.],
-            [0.4, 0.],
-            [0.2, 2.7],
-            [1.2, 2.3],
-            [3., 2.3],
-            [4., 3.4],
-            [4., 4.8],
-            [3., 6.],
-            [1., 6.],
-            [0., 5.],
-        ]],
-        '6' => &[&[
-            [3.6, 0.4],
-            [2.6, 0.],
-            [1.4, 0.],
-            [0.2, 1.6],
-            [0., 3.6],
-            [0., 4.8],
-            [1., 6.],
-            [3., 6.],
-            [4., 4.8],
-            [4., 3.6],
-            [3., 2.5],
-            [1.2, 2.5],
-            [0., 3.6],
-        ]],
-        '7' => &[&[[0., 0.], [4., 0.], [1.4, 6.]]],
-        '8' => &[&[
-            [1., 0.],
-            [3., 0.],
-            [3.8, 0.8],
-            [3.8, 2.],
-            [3., 2.8],
-            [1., 2.8],
-            [0., 3.7],
-            [0., 5.],
-            [1., 6.],
-            [3., 6.],
-            [4., 5.],
-            [4., 3.7],
-            [3., 2.8],
-            [1., 2.8],
-            [0.2, 2.],
-            [0.2, 0.8],
-            [1., 0.],
-        ]],
-        '9' => &[&[
-            [0.4, 5.6],
-            [1.4, 6.],
-            [2.6, 6.],
-            [3.8, 4.4],
-            [4., 2.4],
-            [4., 1.2],
-            [3., 0.],
-            [1., 0.],
-            [0., 1.2],
-            [0., 2.4],
-            [1., 3.5],
-            [2.8, 3.5],
-            [4., 2.4],
-        ]],
-        '.' => &[&[[1., 6.]]],
-        'x' => &[&[[0., 2.], [4., 6.]], &[[4., 2.], [0., 6.]]],
-        'y' => &[&[[0., 2.], [2., 6.]], &[[4., 2.], [1., 8.]]],
-        'z' => &[&[[0., 2.], [4., 2.], [0., 6.], [4., 6.]]],
-        _ => &[],
+        '0' => "2a6a8c8k6m2m0k0c2a",
+        '1' => "1c4a4m",
+        '2' => "0c2a6a8c8e0m8m",
+        '3' => "0a8a4e6e8g8k6m2m0k",
+        '4' => "6m6a0i8i",
+        '5' => "8a1a0f2e6e8g8k6m2m0k",
+        '6' => "7a3a1c0g0k2m6m8k8h6f2f0h",
+        '7' => "0a8a3m",
+        '8' => "2a6a8b8d6f2f0d0b2a 2f0h0k2m6m8k8h6f",
+        '9' => "1m5m7k8g8b6a2a0b0f2h6h8f",
+        '.' => "1m",
+        ',' => "1l0o",
+        ':' => "1f 1m",
+        '-' => "1h7h",
+        '\'' => "1a1d",
+        'a' => "7e7m 7g5e3e1g1k3m5m7k",
+        'b' => "1a1m 1g3e5e7g7k5m3m1k",
+        'c' => "7f5e3e1g1k3m5m7l",
+        'd' => "7a7m 7g5e3e1g1k3m5m7k",
+        'e' => "1i7i7g5e3e1g1k3m5m7l",
+        'f' => "6a5a3c3m 1e6e",
+        'g' => "7e7n5p3p1o 7g5e3e1g1k3m5m7k",
+        'h' => "1a1m 1g3e5e7g7m",
+        'i' => "1e1m 1b",
+        'j' => "3e3n1p 3b",
+        'k' => "1a1m 6e1i 3h7m",
+        'l' => "1a1m",
+        'm' => "0e0m 0g2e4g4m 4g6e8g8m",
+        'n' => "1e1m 1g3e5e7g7m",
+        'o' => "3e5e7g7k5m3m1k1g3e",
+        'p' => "1e1q 1g3e5e7g7k5m3m1k",
+        'q' => "7e7q 7g5e3e1g1k3m5m7k",
+        'r' => "1e1m 1g3e6e",
+        's' => "7f5e3e1f1h3i5i7j7l5m3m1l",
+        't' => "3b3k5m6m 1e6e",
+        'u' => "1e1k3m5m7k 7e7m",
+        'v' => "0e4m8e",
+        'w' => "0e2m4g6m8e",
+        'x' => "1e7m 7e1m",
+        'y' => "0e4m 8e2q",
+        'z' => "1e7e1m7m",
+        _ => "",
     }
 }
 
-/// How wide a letter is, with the gap to the next, on the grid of its strokes.
+/// How wide a letter is, with the gap to the next, where it is six units high.
 fn advance(letter: char) -> f64 {
     match letter {
-        '.' => 2.6,
-        '1' => 4.8,
-        _ => 6.0,
+        '.' | ',' | ':' | '\'' | 'i' | 'l' => 2.4,
+        ' ' | 'j' => 3.4,
+        '1' | 'f' | 'r' | 't' => 4.5,
+        '0'..='9' | 'm' | 'v' | 'w' | 'y' => 5.8,
+        _ => 5.2,
     }
 }
 
 /// How wide a text is, `height` high.
 pub(super) fn width(text: &str, height: f64) -> f64 {
-    (text.chars().map(advance).sum::<f64>() - 2.0) * height / 6.0
+    (text.chars().map(advance).sum::<f64>() - 1.8) * height / 6.0
 }
 
-/// A text whose top left corner is at `at`, `height` high.
-pub(super) fn text(shapes: &mut Vec<Shape>, text: &str, at: DVec2, height: f64, colour: LinearRgba) {
+/// Half the width of the strokes of letters `height` high.
+pub(super) fn stroke(height: f64) -> f64 {
+    (0.085 * height).max(0.55)
+}
+
+/// The same of a rim around them.
+pub(super) fn rim(height: f64) -> f64 {
+    stroke(height) + (0.14 * height).max(1.0)
+}
+
+/// A text whose top left corner is at `at`, `height` high, in strokes of half that width.
+pub(super) fn text(
+    shapes: &mut Vec<Shape>,
+    text: &str,
+    at: DVec2,
+    height: f64,
+    half_width: f64,
+    colour: LinearRgba,
+) {
     let size = height / 6.0;
     let (mut segments, mut left) = (Vec::new(), at.x);
     for letter in text.chars() {
-        let place = |p: &[f64; 2]| DVec2::new(left + p[0] * size, at.y + p[1] * size);
-        for line in strokes(letter) {
-            if let [p] = line {
-                segments.push(Segment { ends: [place(p); 2], alpha: [1.0; 2] });
+        for word in strokes(letter).split_whitespace() {
+            let place = |p: &[u8; 2]| {
+                let units = DVec2::new(f64::from(p[0] - b'0'), f64::from(p[1] - b'a'));
+                DVec2::new(left, at.y) + units * (0.5 * size)
+            };
+            let points: Vec<DVec2> = word.as_bytes().as_chunks().0.iter().map(place).collect();
+            if let [p] = points[..] {
+                segments.push(Segment { ends: [p; 2], alpha: [1.0; 2] });
             }
-            segments.extend(
-                line.windows(2).map(|w| Segment { ends: [place(&w[0]), place(&w[1])], alpha: [1.0; 2] }),
-            );
+            segments.extend(points.windows(2).map(|w| Segment { ends: [w[0], w[1]], alpha: [1.0; 2] }));
         }
         left += advance(letter) * size;
     }
-    shapes.push(Shape::Lines { segments, half_width: (0.085 * height).max(0.55), colour });
+    shapes.push(Shape::Lines { segments, half_width, colour });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_letter_of_a_legend_is_there_and_within_its_place() {
+        for letter in ('a'..='z').chain('0'..='9').chain(".,:-'".chars()) {
+            let mut shapes = Vec::new();
+            text(&mut shapes, &letter.to_string(), DVec2::ZERO, 12.0, stroke(12.0), [1.0; 4]);
+            let Shape::Lines { segments, .. } = &shapes[0] else { panic!("a letter is lines") };
+            assert!(!segments.is_empty(), "{letter}");
+            for p in segments.iter().flat_map(|s| s.ends) {
+                assert!(p.x >= 0.0 && p.x <= advance(letter) * 2.0, "{letter}: {p}");
+                assert!(p.y >= 0.0 && p.y <= 16.0, "{letter}: {p}");
+            }
+        }
+    }
 }

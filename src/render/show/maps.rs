@@ -44,6 +44,12 @@ pub(in crate::render) fn isoline(value: f64) -> LinearRgba {
     opaque(if value < 0.55 { [45, 12, 20] } else { [250, 240, 250] })
 }
 
+/// A scale from the least (0) to the greatest (1): pale green to dark green-blue.
+pub(in crate::render) fn scale(part: f64) -> LinearRgba {
+    let part = part.clamp(0.0, 1.0);
+    oklch(0.92 - 0.5 * part, 0.09 + 0.03 * (std::f64::consts::PI * part).sin(), 125.0 + 80.0 * part)
+}
+
 /// A number of layers out of `most`: pale yellow for one, dark blue for the most; grey for none.
 pub(in crate::render) fn layers(count: usize, most: usize) -> LinearRgba {
     if count == 0 {

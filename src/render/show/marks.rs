@@ -1,26 +1,61 @@
 //! The strokes that a person painted, drawn over the surface that they lie on.
 
 use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
-use super::{Screen, Show, maps};
+use super::{Screen, Show, Subject, maps};
 use crate::colour::LinearRgba;
+use crate::lap::LappedSolid;
 use crate::render::overlay::{Segment, Shape};
 
-/// A painted stroke, to be drawn over a picture that shows what it paints.
-#[derive(Debug, Clone, PartialEq)]
+/// Something painted, where it lies in space; drawn over a picture that shows what it paints.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Mark {
-    /// A stroke of depth; a single point is a dot.
-    Depth {
-        /// Its points, in the mesh's unit.
-        points: Vec<DVec3>,
-        /// Its depth, 0 to 1.
-        depth: f64,
-    },
-    /// A stroke along which the texture's x axis runs.
-    Direction {
-        /// Its points, in the mesh's unit.
-        points: Vec<DVec3>,
-    },
+    /// A stroke of depth.
+    Depth(Painted),
+    /// A stroke of the field `along`.
+    Along(Painted),
+    /// A stroke of the field `across`.
+    Across(Painted),
+    /// A scale at a point.
+    Scale(Painted),
+    /// A stroke along which the texture's x axis runs: its points, in the mesh's unit.
+    Direction(Vec<DVec3>),
+}
+
+/// A line of one value.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Painted {
+    /// Its points, in the mesh's unit; a single one is a dot.
+    pub points: Vec<DVec3>,
+    /// The value: 0 to 1, or a length.
+    pub value: f64,
+}
+
+impl Mark {
+    /// Where a solid's settings hold its marks.
+    pub const KEY: &str = "marks";
+
+    /// What was painted on a solid, as its settings say.
+    #[must_use]
+    pub fn all(solid: &LappedSolid) -> Vec<Self> {
+        let Some(Value::Array(marks)) = solid.settings.get(Self::KEY) else { return Vec::new() };
+        // The settings are a record; what of them makes no sense is not drawn.
+        marks.iter().filter_map(|mark| serde_json::from_value(mark.clone()).ok()).collect()
+    }
+
+    /// The picture that shows it.
+    fn show(&self) -> Show {
+        match self {
+            Self::Depth(_) => Show::Depth,
+            Self::Along(_) => Show::Along,
+            Self::Across(_) => Show::Across,
+            Self::Scale(_) => Show::Scale,
+            Self::Direction(_) => Show::Direction,
+        }
+    }
 }
 
 /// Half the width of a stroke, in pixels of a picture 1024 high.
@@ -36,7 +71,7 @@ const MOST: f64 = 4096.0;
 const SHOWN: f64 = 0.02;
 const HIDDEN: f64 = 0.06;
 
-pub(super) fn add(shapes: &mut Vec<Shape>, screen: &Screen<'_>, marks: &[Mark], show: Show, unit: f64) {
+pub(super) fn add(shapes: &mut Vec<Shape>, screen: &Screen<'_>, subject: &Subject) {
     for (number, offset) in screen.scene.offsets.iter().enumerate() {
         let solid = screen.scene.surfaces[number].solid;
         let Some((min, max)) = solid.mesh.bounds() else { continue };
@@ -54,36 +89,33 @@ pub(super) fn add(shapes: &mut Vec<Shape>, screen: &Screen<'_>, marks: &[Mark], 
                 }
             }
         };
-        for mark in marks {
-            let (points, colour, rim) = match (mark, show) {
-                (Mark::Depth { points, depth }, Show::Depth) => {
-                    (points, maps::depth(*depth), maps::opaque([255, 255, 255]))
+        for mark in Mark::all(solid).iter().filter(|mark| mark.show() == subject.show) {
+            let (points, colour, arrowed) = match mark {
+                Mark::Direction(points) => (points, maps::opaque([38, 34, 40]), true),
+                Mark::Depth(p) | Mark::Along(p) | Mark::Across(p) | Mark::Scale(p) => {
+                    (&p.points, subject.colour_of(p.value), false)
                 }
-                (Mark::Direction { points }, Show::Direction) => {
-                    (points, maps::opaque([38, 34, 40]), maps::opaque([255, 255, 255]))
-                }
-                _ => continue,
             };
             let moved: Vec<DVec3> = points.iter().map(|p| *p + *offset).collect();
             let mut segments = pieces(screen, &moved, &alpha);
-            if matches!(mark, Mark::Direction { .. }) {
-                segments.extend(arrow(segments.last(), unit));
+            if arrowed {
+                segments.extend(arrow(segments.last(), subject.unit));
             }
             segments.retain(|s| s.alpha[0] > 0.0 || s.alpha[1] > 0.0);
             if !segments.is_empty() {
-                stroke(shapes, &segments, unit, colour, rim);
+                stroke(shapes, &segments, subject.unit, colour);
             }
         }
     }
 }
 
 /// A dark edge, a pale rim, and the stroke itself.
-fn stroke(shapes: &mut Vec<Shape>, segments: &[Segment], unit: f64, colour: LinearRgba, rim: LinearRgba) {
+fn stroke(shapes: &mut Vec<Shape>, segments: &[Segment], unit: f64, colour: LinearRgba) {
     let half = HALF_WIDTH * unit;
     let dark = maps::opaque([30, 28, 34]);
     let lines = |half_width, colour| Shape::Lines { segments: segments.to_vec(), half_width, colour };
     shapes.push(lines(half + (RIM + 0.9) * unit, dark));
-    shapes.push(lines(half + RIM * unit, rim));
+    shapes.push(lines(half + RIM * unit, maps::opaque([255, 255, 255])));
     shapes.push(lines(half, colour));
 }
 

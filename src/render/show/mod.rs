@@ -6,6 +6,7 @@ mod letters;
 pub(super) mod maps;
 mod marks;
 mod singular;
+mod values;
 
 use std::fmt;
 
@@ -20,7 +21,8 @@ use crate::exec::{Cancelled, Exec};
 use crate::lap::{LappedSolid, TextureType};
 use crate::mesh::TET_FACES;
 use crate::view::Projection;
-pub use marks::Mark;
+pub use marks::{Mark, Painted};
+use values::Values;
 
 /// What a picture shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize, clap::ValueEnum)]
@@ -31,6 +33,12 @@ pub enum Show {
     Texture,
     /// Depth from 0 (amber) to 1 (blue), a line every 0.1; depth strokes
     Depth,
+    /// Of type 2c and 2d: the field along, texture x, as depth
+    Along,
+    /// Of type 2d: the field across, texture z, as depth
+    Across,
+    /// The world length of one unit of texture, in the mesh's unit; scales at points
+    Scale,
     /// Where texture x runs: short strokes, red along x, green along y, blue along z; direction strokes
     Direction,
     /// How many layers each tetrahedron has
@@ -48,6 +56,9 @@ impl Show {
         match self {
             Self::Texture => "texture",
             Self::Depth => "depth",
+            Self::Along => "along",
+            Self::Across => "across",
+            Self::Scale => "scale",
             Self::Direction => "direction",
             Self::Layers => "layers",
             Self::Patches => "patches",
@@ -69,6 +80,9 @@ impl Show {
         let inputs = kind.inputs();
         let why = match self {
             Self::Depth if !inputs.depth => "has no depth: it looks the same at every depth",
+            Self::Along if !inputs.along => "has no field 'along': only types 2c and 2d do",
+            Self::Across if !inputs.across => "has no field 'across': only type 2d does",
+            Self::Scale if kind.given() == [true; 3] => "has no scale: its fields are the mapping",
             Self::Direction if !(inputs.direction || inputs.along) => {
                 "has no direction: each patch is turned at random"
             }
@@ -90,6 +104,8 @@ impl Show {
             Self::Layers | Self::Patches if solid.layer_patch.is_empty() => {
                 nothing("nothing is lapped yet: fill the model first (lapis fill, lapis run)")
             }
+            Self::Along if solid.along.is_empty() => nothing(NOT_KEPT),
+            Self::Across if solid.across.is_empty() => nothing(NOT_KEPT),
             Self::Depth if solid.kind().is_none() && solid.depth.iter().all(|d| *d == 0.0) => {
                 nothing("the model's depth is 0 everywhere")
             }
@@ -104,6 +120,8 @@ impl fmt::Display for Show {
     }
 }
 
+/// A file of before such fields were kept.
+const NOT_KEPT: &str = "the model holds no such field; fill it again, with a type that has one (2c, 2d)";
 /// Between two lines of equal depth.
 const ISOLINE: f64 = 0.1;
 /// Half the width of such a line, in pixels of a picture 1024 high; the one at ½ is bolder.
@@ -116,6 +134,10 @@ const CLAY: [u8; 3] = [222, 217, 209];
 /// A picture's subject, prepared.
 pub(super) struct Subject {
     show: Show,
+    /// Where that is a number at each vertex.
+    values: Option<Values>,
+    /// The part of the light and shade that false colours get: more on a layer, whose colour may be one all over.
+    shade: f64,
     /// The most layers of a tetrahedron.
     most_layers: usize,
     /// How much wider than in a picture 1024 high lines are.
@@ -132,7 +154,9 @@ impl Subject {
             Show::Layers => surfaces.iter().filter_map(layers).max().unwrap_or(0),
             _ => 0,
         };
-        Ok(Self { show: params.show, most_layers, unit: line_unit(params) })
+        let values = Values::new(params.show, surfaces);
+        let shade = if params.layer.is_some() { 0.8 } else { 0.4 };
+        Ok(Self { show: params.show, values, shade, most_layers, unit: line_unit(params) })
     }
 
     /// Whether anything is drawn over the surfaces.
@@ -152,16 +176,17 @@ impl Subject {
         let face = t.face as usize;
         #[allow(clippy::cast_possible_truncation)] // weights in [0, 1]
         let narrow = weights.map(|w| w as f32);
+        if let Some(values) = &self.values {
+            let at_corner = |p: u32| values.at(t.solid as usize, surface.points[p as usize].vertex);
+            return (self.isolines(values, t, surface.faces[face].map(at_corner), at), self.shade);
+        }
         match self.show {
             Show::Texture if surface.solid.layer_patch.is_empty() => (maps::opaque(CLAY), 1.0),
             Show::Texture => (surface.colour(face, narrow), 1.0),
-            Show::Depth => {
-                let depths = surface.faces[face]
-                    .map(|p| surface.solid.depth[surface.points[p as usize].vertex as usize]);
-                (self.isolines(t, depths, at), 0.4)
-            }
-            Show::Direction => (maps::opaque(CLAY), 0.9),
             Show::Singularities => (maps::opaque(PALE_CLAY), 0.5),
+            Show::Depth | Show::Along | Show::Across | Show::Scale | Show::Direction => {
+                (maps::opaque(CLAY), 0.9)
+            }
             Show::Layers => {
                 let tet = surface.solid.mesh.boundary[face].tet as usize;
                 let colour = maps::layers(surface.solid.layers(tet).len(), self.most_layers);
@@ -179,8 +204,13 @@ impl Subject {
         }
     }
 
+    /// The colour of a number of the field that is shown.
+    fn colour_of(&self, number: f64) -> LinearRgba {
+        self.values.as_ref().map_or(maps::opaque(CLAY), |values| values.colour(values.part(number)))
+    }
+
     /// The colour of a value in [0, 1] that is linear over the triangle, with a line at every tenth.
-    fn isolines(&self, t: &Triangle, values: [f64; 3], [x, y]: [f64; 2]) -> LinearRgba {
+    fn isolines(&self, field: &Values, t: &Triangle, values: [f64; 3], [x, y]: [f64; 2]) -> LinearRgba {
         // The value is the quotient of two functions that are linear in the picture.
         let (mut top, mut bottom) = ([0.0; 3], [0.0; 3]);
         for (edge, value) in t.edges.iter().zip(values) {
@@ -195,7 +225,7 @@ impl Subject {
         let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let value = (at(top) / weight).clamp(least, most);
         let slope = (top[0] - value * bottom[0]).hypot(top[1] - value * bottom[1]) / weight.abs();
-        let colour = maps::depth(value);
+        let colour = field.colour(value);
         let nearest = (value / ISOLINE).round();
         // None along the outside and the innermost; none where a whole face has one depth.
         if !(1.0..=9.0).contains(&nearest) || !(slope > 1e-7) {
@@ -226,7 +256,6 @@ impl Subject {
         &self,
         scene: &Scene<'_>,
         visible: &[u32],
-        marks: &[Mark],
         view: &Projection,
         params: &RenderParams,
         exec: &Exec,
@@ -240,7 +269,7 @@ impl Subject {
             singular::add(&mut shapes, &screen, self.unit);
         }
         exec.check()?;
-        marks::add(&mut shapes, &screen, marks, self.show, self.unit);
+        marks::add(&mut shapes, &screen, self);
         legend::add(&mut shapes, &screen, self, params);
         Ok(shapes)
     }

@@ -4,7 +4,7 @@ use super::*;
 use crate::colour::{decode, encode};
 use crate::lap::{Fields, unfilled};
 use crate::mesh::TetMesh;
-use crate::render::{Background, Picture, render_marked, testing};
+use crate::render::{Background, Picture, render, testing};
 use crate::view::Camera;
 
 /// A box −1…1 with depth (1 + z) / 2 and a direction.
@@ -37,7 +37,11 @@ fn params(show: Show, side: u32) -> RenderParams {
 }
 
 fn draw(solid: &LappedSolid, marks: &[Mark], show: Show, side: u32) -> Picture {
-    render_marked(&[solid.into()], marks, &front(), &params(show, side), &Exec::default()).unwrap()
+    let mut solid = solid.clone();
+    if solid.settings.is_object() {
+        solid.settings[Mark::KEY] = serde_json::to_value(marks).unwrap();
+    }
+    render(&[(&solid).into()], &front(), &params(show, side), &Exec::default()).unwrap()
 }
 
 fn luminance(p: [u8; 4]) -> f32 {
@@ -121,12 +125,12 @@ fn strokes_show_on_the_surface_and_not_behind_it() {
         let without = if show == Show::Depth { plain.clone() } else { draw(&solid, &[], show, 200) };
         with.rgba.iter().zip(&without.rgba).filter(|(a, b)| a != b).count()
     };
-    let depth = |y| Mark::Depth { points: line(y), depth: 1.0 };
+    let depth = |y| Mark::Depth(Painted { points: line(y), value: 1.0 });
     assert!(changed(depth(-1.0), Show::Depth) > 200, "on the front");
     assert_eq!(changed(depth(0.9), Show::Depth), 0, "far behind it");
-    assert!(changed(Mark::Direction { points: line(-1.0) }, Show::Direction) > 200);
-    assert_eq!(changed(Mark::Direction { points: line(-1.0) }, Show::Depth), 0, "not what is shown");
-    let odd = Mark::Depth { points: vec![DVec3::new(0.0, -500.0, 0.0), DVec3::NAN], depth: 0.0 };
+    assert!(changed(Mark::Direction(line(-1.0)), Show::Direction) > 200);
+    assert_eq!(changed(Mark::Direction(line(-1.0)), Show::Depth), 0, "not what is shown");
+    let odd = Mark::Depth(Painted { points: vec![DVec3::new(0.0, -500.0, 0.0), DVec3::NAN], value: 0.0 });
     assert_eq!(changed(odd, Show::Depth), 0);
 }
 
@@ -134,7 +138,7 @@ fn strokes_show_on_the_surface_and_not_behind_it() {
 fn what_is_not_there_is_said() {
     let exec = Exec::default();
     let fails = |solid: &LappedSolid, show: Show| {
-        render_marked(&[solid.into()], &[], &front(), &params(show, 20), &exec).unwrap_err().to_string()
+        render(&[solid.into()], &front(), &params(show, 20), &exec).unwrap_err().to_string()
     };
     let grain = painted(TextureType::Type1a, DVec3::X);
     assert!(fails(&grain, Show::Depth).contains("type 1a has no depth"));
@@ -152,9 +156,8 @@ fn layers_and_patches_have_their_colours() {
     solid.settings = serde_json::Value::Null;
     let camera = Camera::framing_from(DVec3::splat(-1.0), DVec3::ONE, 1.0, DVec3::X);
     let mut settings = params(Show::Layers, 120);
-    let draw = |settings: &RenderParams| {
-        render_marked(&[(&solid).into()], &[], &camera, settings, &Exec::default()).unwrap()
-    };
+    let draw =
+        |settings: &RenderParams| render(&[(&solid).into()], &camera, settings, &Exec::default()).unwrap();
     let most = encode(maps::layers(3, 3));
     let picture = draw(&settings);
     assert!(picture.rgba.iter().filter(|p| **p == most).count() > 1000);
@@ -190,12 +193,82 @@ fn the_axis_of_a_radial_field_is_singular() {
 #[test]
 fn threads_change_nothing() {
     let solid = painted(TextureType::Type2b, DVec3::new(1.0, 0.3, 0.4));
-    let marks = [Mark::Direction { points: vec![DVec3::new(-0.5, -1.0, 0.0), DVec3::new(0.5, -1.0, 0.3)] }];
+    let mut solid = solid;
+    let marks = [Mark::Direction(vec![DVec3::new(-0.5, -1.0, 0.0), DVec3::new(0.5, -1.0, 0.3)])];
+    solid.settings[Mark::KEY] = serde_json::to_value(marks).unwrap();
     for show in [Show::Depth, Show::Direction] {
         let draw = |threads| {
             let exec = Exec::with_threads(threads).unwrap();
-            render_marked(&[(&solid).into()], &marks, &front(), &params(show, 150), &exec).unwrap()
+            render(&[(&solid).into()], &front(), &params(show, 150), &exec).unwrap()
         };
         assert!(draw(1) == draw(3));
     }
+}
+
+#[test]
+fn a_layer_is_drawn_alone_with_what_is_shown_on_it() {
+    let solid = painted(TextureType::Type1b, DVec3::X);
+    // Depth rises with z: the layer 0.75 is the square at z = ½, seen from above.
+    let camera = Camera { eye: DVec3::new(0.0, 0.0, 100.5), up: DVec3::Y, ..front() };
+    let draw = |layer: f64, camera: &Camera| {
+        let settings = RenderParams { layer: Some(layer), ..params(Show::Depth, 100) };
+        render(&[(&solid).into()], camera, &settings, &Exec::default())
+    };
+    let wanted = encode(maps::depth(0.75));
+    let flat = |picture: &Picture| picture.rgba.iter().filter(|p| **p == wanted).count();
+    let above = draw(0.75, &camera).unwrap();
+    assert!(flat(&above) > 6000, "{}", flat(&above));
+    // From below as well: both sides show.
+    let below = Camera { eye: DVec3::new(0.0, 0.0, -99.5), ..camera };
+    assert_eq!(flat(&draw(0.75, &below).unwrap()), flat(&above));
+    // From the side it is a line.
+    let side = draw(0.75, &front()).unwrap();
+    assert!(flat(&side) < 400, "{}", flat(&side));
+    let fails = |params: &RenderParams, solid: &LappedSolid| {
+        render(&[solid.into()], &camera, params, &Exec::default()).unwrap_err().to_string()
+    };
+    let mut settings = RenderParams { layer: Some(0.75), ..params(Show::Depth, 20) };
+    let mut shallow = solid.clone();
+    shallow.depth.iter_mut().for_each(|d| *d *= 0.5);
+    assert!(fails(&settings, &shallow).contains("from 0 to 0.5"));
+    settings.layer = Some(f64::NAN);
+    assert!(fails(&settings, &solid).contains("between 0"));
+    settings = RenderParams { layer: Some(0.5), show: Show::Singularities, ..settings };
+    assert!(fails(&settings, &solid).contains("leave `layer` out"));
+    settings.show = Show::Texture;
+    assert!(fails(&settings, &painted(TextureType::Type1a, DVec3::X)).contains("type 1a has no depth"));
+}
+
+#[test]
+fn along_across_and_scale_have_their_pictures() {
+    let mesh: TetMesh = testing::cube(3).mesh;
+    let of = |axis: usize| Some(mesh.vertices.iter().map(|p| 0.5 + 0.5 * p[axis]).collect());
+    let fields = Fields { along: of(0), depth: of(1), across: of(2), ..Fields::default() };
+    let all = unfilled(mesh.clone(), TextureType::Type2d, &fields);
+    let near = |a: [u8; 4], b: [u8; 4]| (0..3).all(|n| a[n].abs_diff(b[n]) < 8);
+    // Along rises to the right, across upwards; ±1 is at 36 and 364.
+    let (along, across) = (draw(&all, &[], Show::Along, 400), draw(&all, &[], Show::Across, 400));
+    let wanted = encode(maps::depth(0.65));
+    assert!(near(along.pixel(249, 187), wanted), "{:?} {wanted:?}", along.pixel(249, 187));
+    assert!(near(across.pixel(187, 151), wanted), "the same value has the same colour");
+    let mark = [Mark::Along(Painted {
+        points: vec![DVec3::new(-0.5, -1.0, 0.1), DVec3::new(0.5, -1.0, 0.1)],
+        value: 1.0,
+    })];
+    assert!(draw(&all, &mark, Show::Along, 400) != along);
+    assert!(draw(&all, &mark, Show::Across, 400) == across);
+
+    let scale = mesh.vertices.iter().map(|p| 4f64.powf(0.5 * p.x)).collect();
+    let grain = unfilled(mesh, TextureType::Type0, &Fields { scale: Some(scale), ..Fields::default() });
+    let picture = draw(&grain, &[], Show::Scale, 400);
+    // Least on the left, twice that in the middle, twice that on the right: ever darker.
+    let [left, middle, right] = [50, 210, 350].map(|x| luminance(picture.pixel(x, 187)));
+    assert!(left > middle + 0.15 && middle > right + 0.15, "{left} {middle} {right}");
+    let fails = |solid: &LappedSolid, show: Show| {
+        render(&[solid.into()], &front(), &params(show, 20), &Exec::default()).unwrap_err().to_string()
+    };
+    assert!(fails(&grain, Show::Along).contains("only types 2c and 2d"));
+    assert!(fails(&all, Show::Scale).contains("no scale"));
+    let old = LappedSolid { along: Vec::new(), ..all };
+    assert!(fails(&old, Show::Along).contains("fill it again"));
 }

@@ -1,10 +1,11 @@
 //! Lines drawn over a rendered picture in a drawing program: SVG.
 //!
 //! Taken are paths, lines, polylines, polygons, circles and ellipses, curves flattened, with all transforms. What
-//! only defines something (`<defs>`, clip paths, markers), what is not shown (`display: none`), texts and
-//! rectangles, which drawing programs make as backgrounds, are passed over.
+//! only defines something (`<defs>`, clip paths, markers), what is not shown (`display`, `visibility`, `opacity`, by
+//! attribute, `style` or style sheet), texts and rectangles, which drawing programs make as backgrounds, are passed over.
 
 mod shapes;
+mod style;
 #[cfg(test)]
 mod tests;
 
@@ -14,7 +15,8 @@ use std::str::FromStr;
 use glam::DVec2;
 use kurbo::{Affine, BezPath, PathEl, Point};
 use roxmltree::{Document, Node, ParsingOptions};
-use svgtypes::{Length, LengthUnit, Transform, ViewBox};
+use style::Styles;
+use svgtypes::{Align, AspectRatio, Length, LengthUnit, Transform, ViewBox};
 
 use super::file::{at, read_text};
 use super::stroke::MAX_STROKE_POINTS;
@@ -121,7 +123,7 @@ pub struct DrawnLine {
 /// The lines of a drawing over a picture.
 ///
 /// Their points are fractions of the picture: of the drawing's one `<image>` where it has exactly one, else of its
-/// viewBox, else of its size.
+/// page: what it shows of its viewBox at its own width and height, or the viewBox itself where it has none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawing {
     /// The lines, in the order of the file; at least one. A path of several parts is several lines.
@@ -165,13 +167,15 @@ impl Drawing {
         if root.tag_name().name() != "svg" {
             return Err(SvgFault::NotSvg(root.tag_name().name().to_owned()).into());
         }
+        let styles = Styles::of(&document);
         let mut found = Found::default();
         // A stack of its own: a drawing may be nested deeper than a thread's.
         let mut open = vec![(root, Affine::IDENTITY)];
         while let Some((node, outer)) = open.pop() {
             let local = if node == root { outer } else { outer * transform(node)? };
-            found.take(node, local)?;
-            let inside: Vec<Node<'_, '_>> = node.children().filter(|n| shown(*n)).collect();
+            found.take(node, local, styles.visible(node))?;
+            let shown = |n: &Node<'_, '_>| taken(*n) && styles.shows(*n);
+            let inside: Vec<Node<'_, '_>> = node.children().filter(shown).collect();
             open.extend(inside.into_iter().rev().map(|n| (n, local)));
         }
         let (frame, aspect) = frame(root, &found.images)?;
@@ -236,7 +240,7 @@ struct Found {
 }
 
 impl Found {
-    fn take(&mut self, node: Node<'_, '_>, local: Affine) -> Result<(), SvgFault> {
+    fn take(&mut self, node: Node<'_, '_>, local: Affine, visible: bool) -> Result<(), SvgFault> {
         let name = node.tag_name().name();
         match name {
             "use" => {
@@ -254,6 +258,9 @@ impl Found {
             if let Some(square) = shapes::image(image)? {
                 self.images.push(local * transform(image)? * square);
             }
+        }
+        if !visible {
+            return Ok(());
         }
         if let Some(path) = shapes::path(node)? {
             let ids = node.ancestors().filter_map(|n| n.attribute("id")).map(str::to_owned).collect();
@@ -285,17 +292,9 @@ fn transform(node: Node<'_, '_>) -> Result<Affine, SvgFault> {
     Ok(Affine::new([t.a, t.b, t.c, t.d, t.e, t.f]))
 }
 
-/// Whether an element, as such, shows anything.
-fn shown(node: Node<'_, '_>) -> bool {
-    let hidden = |style: &str| {
-        style.split(';').any(|rule| {
-            rule.split_once(':').is_some_and(|(key, value)| key.trim() == "display" && value.trim() == "none")
-        })
-    };
-    node.is_element()
-        && !HIDDEN.contains(&node.tag_name().name())
-        && node.attribute("display") != Some("none")
-        && !node.attribute("style").is_some_and(hidden)
+/// Whether an element is one that can show lines where it stands.
+fn taken(node: Node<'_, '_>) -> bool {
+    node.is_element() && !HIDDEN.contains(&node.tag_name().name())
 }
 
 /// A length in the drawing's unit; a part of something else (`%`) is none.
@@ -327,21 +326,53 @@ fn frame(root: Node<'_, '_>, images: &[Affine]) -> Result<(Affine, f64), SvgFaul
             return Ok((inverse, aspect));
         }
     }
-    let (x, y, w, h) = match root.attribute("viewBox") {
-        Some(text) => {
-            let view = ViewBox::from_str(text).map_err(|e| attribute(root, "viewBox", e))?;
-            (view.x, view.y, view.w, view.h)
-        }
-        None => match (length(root, "width")?, length(root, "height")?) {
-            (Some(w), Some(h)) => (0.0, 0.0, w, h),
-            _ => return Err(SvgFault::NoSize),
-        },
+    let size = match (length(root, "width")?, length(root, "height")?) {
+        (Some(w), Some(h)) if w > 0.0 && h > 0.0 && (w / h).is_normal() => Some(DVec2::new(w, h)),
+        _ => None,
     };
-    let aspect = w / h;
-    if !(w > 0.0 && h > 0.0 && aspect.is_normal()) {
-        return Err(SvgFault::NoSize);
-    }
-    Ok((Affine::scale_non_uniform(w.recip(), h.recip()) * Affine::translate((-x, -y)), aspect))
+    let view = root.attribute("viewBox").map(|text| {
+        let view = ViewBox::from_str(text).map_err(|e| attribute(root, "viewBox", e))?;
+        let good = view.w > 0.0 && view.h > 0.0 && (view.w / view.h).is_normal();
+        if good { Ok(view) } else { Err(SvgFault::NoSize) }
+    });
+    let (low, page) = match (view.transpose()?, size) {
+        (Some(view), Some(size)) => page(root, &view, size)?,
+        (Some(view), None) => (DVec2::new(view.x, view.y), DVec2::new(view.w, view.h)),
+        (None, Some(size)) => (DVec2::ZERO, size),
+        (None, None) => return Err(SvgFault::NoSize),
+    };
+    let to_page =
+        Affine::scale_non_uniform(page.x.recip(), page.y.recip()) * Affine::translate((-low.x, -low.y));
+    // A viewBox that is stretched: the page's own shape is the picture's.
+    let stretched = root.attribute("preserveAspectRatio").is_some_and(|text| text.trim().starts_with("none"));
+    let shape = size.filter(|_| stretched).unwrap_or(page);
+    Ok((to_page, shape.x / shape.y))
+}
+
+/// The part of the drawing's plane that a page of this size shows: the viewBox, and what lies beside it where the page
+/// has another shape.
+fn page(root: Node<'_, '_>, view: &ViewBox, size: DVec2) -> Result<(DVec2, DVec2), SvgFault> {
+    let (low, full) = (DVec2::new(view.x, view.y), DVec2::new(view.w, view.h));
+    let ratio = match root.attribute("preserveAspectRatio") {
+        Some(text) => AspectRatio::from_str(text).map_err(|e| attribute(root, "preserveAspectRatio", e))?,
+        None => AspectRatio::default(),
+    };
+    let place = match ratio.align {
+        Align::None => return Ok((low, full)),
+        Align::XMinYMin => [0.0, 0.0],
+        Align::XMidYMin => [0.5, 0.0],
+        Align::XMaxYMin => [1.0, 0.0],
+        Align::XMinYMid => [0.0, 0.5],
+        Align::XMidYMid => [0.5, 0.5],
+        Align::XMaxYMid => [1.0, 0.5],
+        Align::XMinYMax => [0.0, 1.0],
+        Align::XMidYMax => [0.5, 1.0],
+        Align::XMaxYMax => [1.0, 1.0],
+    };
+    let each = size / full;
+    let scale = if ratio.slice { each.max_element() } else { each.min_element() };
+    let shown = size / scale;
+    Ok((low + (full - shown) * DVec2::from_array(place), shown))
 }
 
 /// Appends a path's parts, each a line, flattened. The path is in fractions of the picture.

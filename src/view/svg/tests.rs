@@ -138,6 +138,18 @@ fn the_frame_is_the_picture_that_is_drawn_over() {
     assert_eq!(by_size.aspect, 2.0);
     let by_box = size("width=\"100mm\" height=\"100mm\" viewBox=\"-10 0 100 40\"", line).unwrap();
     assert_eq!(points(&by_box), [[0.2, 0.5], [0.7, 0.5]]);
+    // A page of another shape than its viewBox shows more than that; the page is the picture.
+    assert_eq!(by_box.aspect, 1.0);
+    let wide = |ratio: &str| {
+        let head = format!("width=\"80\" height=\"40\" viewBox=\"0 0 100 100\" {ratio}");
+        let drawing = size(&head, line).unwrap();
+        (points(&drawing), drawing.aspect)
+    };
+    assert_eq!(wide(""), (vec![[0.3, 0.2], [0.55, 0.2]], 2.0));
+    assert_eq!(wide("preserveAspectRatio=\"xMinYMid\""), (vec![[0.05, 0.2], [0.3, 0.2]], 2.0));
+    assert_eq!(wide("preserveAspectRatio=\"xMidYMin slice\""), (vec![[0.1, 0.4], [0.6, 0.4]], 2.0));
+    assert_eq!(wide("preserveAspectRatio=\"none\""), (vec![[0.1, 0.2], [0.6, 0.2]], 2.0));
+    assert!(size("width=\"8\" height=\"4\" viewBox=\"0 0 1 1\" preserveAspectRatio=\"odd\"", line).is_err());
     // A picture on a page, moved and scaled: fractions are the picture's.
     let image = "<g transform=\"translate(5 10)\"><image x=\"0\" y=\"0\" width=\"20\" height=\"10\" \
         transform=\"scale(5)\" href=\"kiwi.png\"/></g>";
@@ -162,6 +174,40 @@ fn what_does_not_show_is_passed_over() {
     );
     assert_eq!(drawing.lines.len(), 1);
     assert_eq!(drawing.lines[0].ids, ["a"]);
+}
+
+#[test]
+fn what_a_style_sheet_hides_is_passed_over() {
+    let line = |attributes: &str| format!("<path d=\"M0 0 H9\" {attributes}/>");
+    let shown = |sheet: &str, inside: &str| {
+        let all = format!("<style>{sheet}</style>{inside}{}", line("id=\"last\""));
+        draw(&all).lines.len() - 1
+    };
+    let class = line("class=\"st0 b\"");
+    for (sheet, inside, count) in [
+        (".st0{display:none}", class.clone(), 0),
+        ("/* .st0{} */ .a, path.b { Display : None; fill: red }", class.clone(), 0),
+        ("<![CDATA[ #x{visibility:hidden} ]]>", line("id=\"x\""), 0),
+        (".st0{opacity:0}", class.clone(), 0),
+        (".st0{opacity:0.5}", class.clone(), 1),
+        (".st1{display:none} path.st1{}", class.clone(), 1),
+        ("@import 'x'; @media print { .st0 { display: none } }", class.clone(), 1),
+        ("g .st0{display:none}", format!("<g>{class}</g>{class}"), 1),
+        ("g > .st0{display:none} .st0:hover{display:none}", class.clone(), 1),
+        // Of two the heavier, of equal ones the later; `style` before both, an attribute after.
+        ("path.st0{display:inline} .st0{display:none}", class.clone(), 1),
+        (".st0{display:none} .b{display:inline}", class.clone(), 1),
+        (".st0{display:none}", line("class=\"st0\" style=\"display:inline\""), 1),
+        (".st0{display:none !important}", line("class=\"st0\" style=\"display:inline\""), 0),
+        (".st0{display:inline}", line("class=\"st0\" display=\"none\""), 1),
+        // A child of what is hidden may show, of what is not displayed never.
+        ("g{visibility:hidden} .st0{visibility:visible}", format!("<g>{class}{}</g>", line("")), 1),
+        ("g{display:none} .st0{display:inline}", format!("<g>{class}</g>"), 0),
+        (".st0{display:none", class.clone(), 0),
+        ("}{;;", class.clone(), 1),
+    ] {
+        assert_eq!(shown(sheet, &inside), count, "{sheet} {inside}");
+    }
 }
 
 #[test]

@@ -14,7 +14,7 @@ use super::super::regions::Regions;
 use super::super::{note, short};
 use super::buffers;
 use crate::colour::{byte, encode};
-use crate::mesh::{Material, NONE, RegionKind, Wear, index};
+use crate::mesh::{Material, NONE, RegionKind, Wear, Wrap, index};
 
 /// What a primitive's material asks of its vertices.
 #[derive(Debug, Clone, Copy)]
@@ -26,8 +26,8 @@ pub(super) struct Dress {
     /// Which set of texture coordinates its picture uses.
     pub(super) coordinates: u32,
     pub(super) has_picture: bool,
-    /// Whether the picture asks not to be repeated.
-    pub(super) clamped: bool,
+    /// How the picture goes on beyond its sides.
+    wrap: [Wrap; 2],
     /// `KHR_texture_transform`: picture from texture coordinates.
     turn: Mat2,
     offset: Vec2,
@@ -39,7 +39,7 @@ impl Dress {
         alpha: Alpha::Opaque,
         coordinates: 0,
         has_picture: false,
-        clamped: false,
+        wrap: [Wrap::Repeat; 2],
         turn: Mat2::IDENTITY,
         offset: Vec2::ZERO,
     };
@@ -140,7 +140,7 @@ impl<'a> Materials<'a> {
         colour[3] = if picture.is_some() && alpha != Alpha::Blend { 255 } else { alpha.of(colour[3]) };
         dress.material = index(self.materials.len());
         self.regions.begin(name.clone());
-        self.materials.push(Material { name, colour, picture });
+        self.materials.push(Material { name, colour, picture, wrap: dress.wrap });
         dress
     }
 
@@ -169,8 +169,11 @@ impl<'a> Materials<'a> {
         let texture = number(info, "index").and_then(|i| self.item("textures", i));
         let texture = texture.ok_or("it names no texture that is there")?;
         let sampler = number(texture, "sampler").and_then(|i| self.item("samplers", i));
-        let repeats = |key: &str| sampler.and_then(|s| number(s, key)).is_none_or(|mode| mode == 10497);
-        dress.clamped = !repeats("wrapS") || !repeats("wrapT");
+        dress.wrap = ["wrapS", "wrapT"].map(|key| match sampler.and_then(|s| number(s, key)) {
+            Some(33071) => Wrap::Clamp,
+            Some(33648) => Wrap::Mirror,
+            _ => Wrap::Repeat,
+        });
         let Some(source) = number(texture, "source") else {
             return Err("it is there only in a format that is not read (neither PNG nor JPEG)".to_owned());
         };

@@ -140,7 +140,12 @@ impl Worn {
                 };
                 let failed = |why| note(&mut notes, format!("the picture {}: {why}", short(name)));
                 let picture = pictures.get(name, Alpha::Blend, read, failed);
-                wear.materials.push(Material { name: name.clone(), colour: [255; 4], picture });
+                wear.materials.push(Material {
+                    name: name.clone(),
+                    colour: [255; 4],
+                    picture,
+                    ..Material::default()
+                });
             }
             wear.pictures = pictures.finish();
             let numbered = self.face_pictures.len() >= face_count && face_count > 0;

@@ -1,39 +1,67 @@
-//! Layers: isosurfaces of a depth that is linear in each tetrahedron, by marching tetrahedra \[LST 4.4\].
+//! Layers: isosurfaces of values that are linear in each tetrahedron, by marching tetrahedra \[LST 4.4\].
 
 use glam::DVec3;
 
-use crate::mesh::{TET_FACES, TetMesh};
+use super::{TET_FACES, TetMesh, index};
 
-/// The triangles on which the values, linear in each tetrahedron, are `level`; in no particular orientation. A face
-/// that lies on the layer as a whole counts, so that the skin is a layer too.
-pub(super) fn layer(mesh: &TetMesh, values: &[f64], level: f64) -> Vec<[DVec3; 3]> {
+/// A corner of a layer's triangle: a point of an edge of the mesh, or a vertex.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LayerPoint {
+    /// The edge's vertex of lower value.
+    pub(crate) from: u32,
+    /// Its vertex of higher value; the same one where the layer runs through the vertex.
+    pub(crate) to: u32,
+    /// How far it is on the way, from 0 to 1. The same in all tetrahedra at the edge.
+    pub(crate) part: f64,
+}
+
+impl LayerPoint {
+    /// Where it is.
+    pub(crate) fn place(&self, mesh: &TetMesh) -> DVec3 {
+        mesh.vertices[self.from as usize].lerp(mesh.vertices[self.to as usize], self.part)
+    }
+}
+
+/// A triangle of a layer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct LayerTriangle {
+    /// The tetrahedron that it lies in.
+    pub(crate) tet: u32,
+    /// Its corners, in no particular orientation.
+    pub(crate) corners: [LayerPoint; 3],
+}
+
+/// The triangles on which the values, linear in each tetrahedron, are `level`. A face that lies on the layer as a
+/// whole counts, so that the skin is a layer too; inside the mesh it comes from both its tetrahedra.
+pub(crate) fn layer(mesh: &TetMesh, values: &[f64], level: f64) -> Vec<LayerTriangle> {
     let mut triangles = Vec::new();
     for (t, tet) in mesh.tets.iter().enumerate() {
         let heights = tet.map(|v| values[v as usize] - level);
         let on: Vec<usize> = (0..4).filter(|k| heights[*k] == 0.0).collect();
         let below: Vec<usize> = (0..4).filter(|k| heights[*k] < 0.0).collect();
         let above: Vec<usize> = (0..4).filter(|k| heights[*k] > 0.0).collect();
-        let corners = mesh.corners(t);
+        let vertex = |k: usize| LayerPoint { from: tet[k], to: tet[k], part: 0.0 };
+        let mut add = |corners| triangles.push(LayerTriangle { tet: index(t), corners });
         if below.is_empty() || above.is_empty() {
             for face in TET_FACES.iter().filter(|f| f.iter().all(|k| on.contains(k))) {
-                triangles.push(face.map(|k| corners[k]));
+                add(face.map(vertex));
             }
             continue;
         }
         let crossing = |b: usize, a: usize| {
-            let s = heights[b] / (heights[b] - heights[a]);
-            corners[b].lerp(corners[a], s)
+            let part = heights[b] / (heights[b] - heights[a]);
+            LayerPoint { from: tet[b], to: tet[a], part }
         };
         // In an order that goes round.
-        let mut ring: Vec<DVec3> = match (&below[..], &above[..]) {
+        let mut ring: Vec<LayerPoint> = match (&below[..], &above[..]) {
             (&[b, c], &[a, d]) => vec![crossing(b, a), crossing(b, d), crossing(c, d), crossing(c, a)],
             (below, above) => {
                 below.iter().flat_map(|&b| above.iter().map(move |&a| crossing(b, a))).collect()
             }
         };
-        ring.extend(on.iter().map(|&k| corners[k]));
+        ring.extend(on.iter().map(|&k| vertex(k)));
         for k in 2..ring.len() {
-            triangles.push([ring[0], ring[k - 1], ring[k]]);
+            add([ring[0], ring[k - 1], ring[k]]);
         }
     }
     triangles
@@ -43,6 +71,10 @@ pub(super) fn layer(mesh: &TetMesh, values: &[f64], level: f64) -> Vec<[DVec3; 3
 mod tests {
     use super::*;
     use crate::mesh::shapes::{ball, grid};
+
+    fn layer(mesh: &TetMesh, values: &[f64], level: f64) -> Vec<[DVec3; 3]> {
+        super::layer(mesh, values, level).iter().map(|t| t.corners.map(|c| c.place(mesh))).collect()
+    }
 
     fn area(triangles: &[[DVec3; 3]]) -> f64 {
         triangles.iter().map(|[a, b, c]| 0.5 * (*b - *a).cross(*c - *a).length()).sum()
