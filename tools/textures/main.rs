@@ -2,7 +2,7 @@
 //!
 //!     cargo run --release --example textures -- FOLDER OUT [--size N] [NAME…]
 //!
-//! FOLDER holds the photographs by the names below; OUT gets NAME.png (the photograph, slices across x, y and z, an
+//! FOLDER holds the photographs by the names below; OUT gets NAME.jpg (the photograph, slices across x, y and z, an
 //! oblique slice, the volume as a cube), NAME.nrrd, and tables.md. With names, only these are made. The ablations are
 //! made of one photograph, as in Figure 6 of Chen & Wang 2010.
 
@@ -120,7 +120,7 @@ fn make(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let (one, synthesis) = one(source.name, source, &photo, &params(source))?;
         let file = out.join(format!("{}.nrrd", source.name));
         write_whole(&file, &volume::to_nrrd(&synthesis.texture))?;
-        sheet(&synthesis, &file, &out.join(format!("{}.png", source.name)))?;
+        sheet(&synthesis, &file, &out.join(format!("{}.jpg", source.name)))?;
         made.push(one);
     }
     let mut ablated = Vec::new();
@@ -137,7 +137,7 @@ fn make(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
             let (one, synthesis) = one(name, source, &photo, &params)?;
             let file = out.join("ablated.nrrd");
             write_whole(&file, &volume::to_nrrd(&synthesis.texture))?;
-            sheet(&synthesis, &file, &out.join(format!("ablated-{}.png", name.replace(' ', "-"))))?;
+            sheet(&synthesis, &file, &out.join(format!("ablated-{}.jpg", name.replace(' ', "-"))))?;
             fs::remove_file(&file)?;
             ablated.push(one);
         }
@@ -171,5 +171,5 @@ fn one(
 /// The contact sheet.
 fn sheet(synthesis: &Synthesis, volume: &Path, to: &Path) -> Result<(), Box<dyn Error>> {
     let cube = cube::picture(volume, &Exec::default())?;
-    Ok(write_whole(to, &sheet::png(synthesis, &cube))?)
+    Ok(write_whole(to, &sheet::jpeg(synthesis, &cube)?)?)
 }

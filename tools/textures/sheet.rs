@@ -1,6 +1,8 @@
 //! A contact sheet: pictures beside each other.
 
 use glam::{DVec3, UVec3};
+use image::codecs::jpeg::JpegEncoder;
+use image::{ExtendedColorType, ImageEncoder, ImageError};
 use lapis::colour::encode;
 use lapis::render::Picture;
 use lapis::synthesis::{Axis, Synthesis};
@@ -8,9 +10,11 @@ use lapis::synthesis::{Axis, Synthesis};
 /// The side of a picture on the sheet, and the gap between two, in pixels.
 const SIDE: u32 = 256;
 const GAP: u32 = 6;
+/// What a JPEG keeps, in percent.
+const QUALITY: u8 = 88;
 
 /// The photograph, the middle slices across x, y and z, an oblique slice, and the cube.
-pub(crate) fn png(synthesis: &Synthesis, cube: &Picture) -> Vec<u8> {
+pub(crate) fn jpeg(synthesis: &Synthesis, cube: &Picture) -> Result<Vec<u8>, ImageError> {
     let texture = &synthesis.texture;
     let photo = &synthesis.photos[0];
     let size = UVec3::from(texture.size());
@@ -48,7 +52,7 @@ pub(crate) fn png(synthesis: &Synthesis, cube: &Picture) -> Vec<u8> {
         &small,
     ];
     let width = 6 * SIDE + 5 * GAP;
-    let mut rgba = vec![[255; 4]; (width * SIDE) as usize];
+    let mut rgb = vec![[255; 3]; (width * SIDE) as usize];
     for (n, picture) in pictures.iter().enumerate() {
         for y in 0..SIDE {
             for x in 0..SIDE {
@@ -56,10 +60,13 @@ pub(crate) fn png(synthesis: &Synthesis, cube: &Picture) -> Vec<u8> {
                 let to = (y * width + n as u32 * (SIDE + GAP) + x) as usize;
                 let [r, g, b, a] = picture(place(x), place(y));
                 if a > 0 {
-                    rgba[to] = [r, g, b, 255];
+                    rgb[to] = [r, g, b];
                 }
             }
         }
     }
-    Picture { width, height: SIDE, rgba }.to_png()
+    let mut bytes = Vec::new();
+    let encoder = JpegEncoder::new_with_quality(&mut bytes, QUALITY);
+    encoder.write_image(rgb.as_flattened(), width, SIDE, ExtendedColorType::Rgb8)?;
+    Ok(bytes)
 }
