@@ -40,7 +40,7 @@ const RISING: f64 = 0.4;
 const LEVEL: f64 = 0.5;
 /// A stroke is good that is level over so many mean lengths of the mesh's edges in one go, as along a fruit's axis. One
 /// that crosses the axis is level over less: that is the distance of the points that the depth is fitted to.
-const LEVEL_EDGES: f64 = 0.75;
+const LEVEL_EDGES: f64 = 0.6;
 /// Between two looks along a stroke, in mean lengths of the mesh's edges.
 const STEP: f64 = 0.25;
 /// What lies farther from the mesh, in the same lengths, is not drawn on it.
