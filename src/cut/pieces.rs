@@ -146,7 +146,7 @@ fn piece(
     let (neighbours, boundary) = beside(solid, divided, number, &cells, place);
     let (layer_start, layer_patch, layer_uvw) = layers(solid, divided, &cells)?;
     let parent = |cell: u32| divided.part(cell).map_or(cell, |i| divided.parts.parts[i].parent) as usize;
-    let fields = solid.collected(vertices.iter().map(|&v| at(solid, new, v)));
+    let fields = solid.collected(&vertices.iter().map(|&v| at(solid, new, v)));
     Ok(LappedSolid {
         mesh: TetMesh {
             vertices: vertices.iter().map(|v| divided.parts.vertices[*v as usize]).collect(),

@@ -125,7 +125,7 @@ pub enum DepthError {
     },
     /// Two strokes of different depths at one place.
     #[error(
-        "depth strokes {first} and {second} are {} apart, less than a quarter of the mesh's edges, and \
+        "depth strokes {first} and {second} are {} apart, less than a twentieth of the mesh's edges, and \
          differ: {} and {}; remove one of them, or move them apart",
         Short(*.distance), .depths[0], .depths[1]
     )]
@@ -276,9 +276,9 @@ pub fn depth_field(
     Ok(DepthField { values, report, rbf })
 }
 
-/// Strokes of different depths must be so far apart, in mean lengths of the mesh's edges: nearer ones cannot both be
-/// met.
-const APART: f64 = 0.25;
+/// Strokes of different depths must be so far apart, in mean lengths of the mesh's edges: nearer ones meet. Between the
+/// radial functions' points they may come nearer than edges are long.
+const APART: f64 = 0.05;
 
 /// Refuses two strokes of different depths at one place, where both count. `spacing` is the mean length of the mesh's
 /// edges.

@@ -63,7 +63,7 @@ impl LappedSolid {
         mesh.vertices = points.iter().map(|p| p.place(&self.mesh)).collect();
         let fields: Vec<AtVertex> =
             points.iter().map(|p| self.at_vertex(p.from).between(&self.at_vertex(p.to), p.part)).collect();
-        let fields = self.collected(fields.into_iter());
+        let fields = self.collected(&fields.into_iter());
         Some(Self {
             mesh,
             depth: vec![depth; points.len()],

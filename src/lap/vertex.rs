@@ -61,7 +61,7 @@ impl LappedSolid {
     }
 
     /// The fields of other vertices, as lists: those that this solid does not have are empty.
-    pub(crate) fn collected(&self, vertices: impl Iterator<Item = AtVertex> + Clone) -> AtVertices {
+    pub(crate) fn collected(&self, vertices: &(impl Iterator<Item = AtVertex> + Clone)) -> AtVertices {
         let kept = |field: &[f64], of: fn(AtVertex) -> f64| {
             if field.is_empty() { Vec::new() } else { vertices.clone().map(of).collect() }
         };

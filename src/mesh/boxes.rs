@@ -118,8 +118,9 @@ impl BoxTree {
         // Room enough for all but odd trees.
         let mut stack: Vec<(f64, usize)> = Vec::with_capacity(64);
         stack.push((distance(0), 0));
+        let mut reach = best.sqrt() * per_unit;
         while let Some((d, node)) = stack.pop() {
-            if d > best.sqrt() * per_unit {
+            if d > reach {
                 continue;
             }
             let at = &self.tree.nodes[node];
@@ -128,10 +129,12 @@ impl BoxTree {
                 for &i in &self.tree.primitive_indices[first..first + at.prim_count as usize] {
                     best = visit(i as usize, best);
                 }
+                reach = best.sqrt() * per_unit;
             } else {
                 let (a, b) = ((distance(first), first), (distance(first + 1), first + 1));
                 // The nearer one is taken from the stack first.
-                stack.extend(if a.0 <= b.0 { [b, a] } else { [a, b] });
+                let order = if a.0 <= b.0 { [b, a] } else { [a, b] };
+                stack.extend(order.into_iter().filter(|child| child.0 <= reach));
             }
         }
     }

@@ -34,11 +34,13 @@ pub struct PaintedDirection {
 /// A direction that lies, on average, nearer to the depth's gradient than this is none, in degrees: a third of it, or
 /// less, is left for texture x.
 const TOO_NEAR_DEG: f64 = 20.0;
+/// A stroke less of which than this has a gradient, smoothed over the mesh, is good: it lies about the innermost set.
+const RISING: f64 = 0.4;
 /// A stroke is level where the depth changes along it by less than this part of how steep it is around.
 const LEVEL: f64 = 0.5;
 /// A stroke is good that is level over so many mean lengths of the mesh's edges in one go, as along a fruit's axis. One
 /// that crosses the axis is level over less: that is the distance of the points that the depth is fitted to.
-const LEVEL_EDGES: f64 = 0.75;
+const LEVEL_EDGES: f64 = 0.6;
 /// Between two looks along a stroke, in mean lengths of the mesh's edges.
 const STEP: f64 = 0.25;
 /// What lies farther from the mesh, in the same lengths, is not drawn on it.
@@ -47,9 +49,10 @@ const ON_MESH: f64 = 0.25;
 /// How strokes run in a field of depth.
 #[derive(Debug, Default)]
 struct Course {
-    /// Sums over equal steps: |t·g|/s and |g|/s.
+    /// Sums over equal steps: |t·g|/s, |g|/s and 1.
     along: f64,
     rising: f64,
+    looks: f64,
     /// The longest level part, and the whole, in mean lengths of the mesh's edges.
     level: f64,
     length: f64,
@@ -153,6 +156,7 @@ impl Canvas<'_> {
                 let at = || self.mesh.tets[tet].iter().map(|&v| slopes[v as usize]).zip(b);
                 let gradient: DVec3 = at().map(|(slope, b)| slope.gradient * b).sum();
                 let steepness: f64 = at().map(|(slope, b)| slope.steepness * b).sum();
+                course.looks += 1.0;
                 if steepness > 0.0 {
                     course.along += q.tangent.dot(gradient).abs() / steepness;
                     course.rising += gradient.length() / steepness;
@@ -174,7 +178,9 @@ impl Canvas<'_> {
 impl Course {
     /// Whether they run the way of the depth and nowhere along a layer.
     fn is_along_gradient(&self) -> bool {
-        is_near(self.along, self.rising) && self.level < LEVEL_EDGES.min(0.5 * self.length)
+        is_near(self.along, self.rising)
+            && self.rising >= RISING * self.looks
+            && self.level < LEVEL_EDGES.min(0.5 * self.length)
     }
 }
 

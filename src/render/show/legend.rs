@@ -18,8 +18,8 @@ pub(super) fn add(shapes: &mut Vec<Shape>, screen: &Screen<'_>, subject: &Subjec
         return;
     }
     let size = f64::from(side);
-    let ink = ink(params);
-    title(shapes, subject, params, size, ink);
+    let pen = Pen::new(params, size);
+    title(shapes, subject, params, size, &pen);
     match subject.show {
         Show::Texture | Show::Patches | Show::Singularities => {}
         Show::Depth | Show::Along | Show::Across | Show::Scale => {
@@ -27,9 +27,9 @@ pub(super) fn add(shapes: &mut Vec<Shape>, screen: &Screen<'_>, subject: &Subjec
             let bar = Bar::new(params, size);
             if values.is_one() {
                 bar.fill(shapes, 1, |value| values.colour(value));
-                bar.label(shapes, 0.5, &Short(values.number(0.5)).to_string(), ink);
+                bar.label(shapes, 0.5, &short(values.number(0.5)), &pen);
             } else {
-                scale_bar(shapes, &bar, values, subject.unit, ink);
+                scale_bar(shapes, &bar, values, subject.unit, &pen);
             }
         }
         Show::Layers => {
@@ -40,17 +40,17 @@ pub(super) fn add(shapes: &mut Vec<Shape>, screen: &Screen<'_>, subject: &Subjec
             bar.fill(shapes, most.min(64), |value| maps::layers(count(value), most));
             #[allow(clippy::cast_precision_loss)] // layers of a tetrahedron
             let half = 0.5 / most as f64;
-            bar.label(shapes, half, "1", ink);
+            bar.label(shapes, half, "1", &pen);
             if most > 1 {
-                bar.label(shapes, 1.0 - half, &most.to_string(), ink);
+                bar.label(shapes, 1.0 - half, &most.to_string(), &pen);
             }
         }
-        Show::Direction => axes(shapes, screen, size, ink),
+        Show::Direction => axes(shapes, screen, size, &pen),
     }
 }
 
 /// What is shown, and in which unit: in the lower left corner.
-fn title(shapes: &mut Vec<Shape>, subject: &Subject, params: &RenderParams, size: f64, ink: LinearRgba) {
+fn title(shapes: &mut Vec<Shape>, subject: &Subject, params: &RenderParams, size: f64, pen: &Pen) {
     let mut text = match subject.show {
         Show::Texture => return,
         Show::Depth => "depth: 0 outside, 1 innermost".to_owned(),
@@ -65,13 +65,33 @@ fn title(shapes: &mut Vec<Shape>, subject: &Subject, params: &RenderParams, size
     if let Some(layer) = params.layer {
         text += &format!(", on the layer {}", Short(layer));
     }
-    let (margin, letter) = (margin(size), letter(size));
-    if 2.0 * margin + letters::width(&text, letter) <= f64::from(params.width) {
-        let corner = DVec2::new(margin, f64::from(params.height) - margin - letter);
-        // A rim, for where it lies over the solid.
-        letters::text(shapes, &text, corner, letter, letters::rim(letter), paper(params));
-        letters::text(shapes, &text, corner, letter, letters::stroke(letter), ink);
+    let margin = margin(size);
+    if 2.0 * margin + letters::width(&text, pen.letter) <= f64::from(params.width) {
+        pen.write(shapes, &text, DVec2::new(margin, f64::from(params.height) - margin - pen.letter));
     }
+}
+
+/// What a legend is written with: ink on a rim of paper, for where it lies over the solid.
+struct Pen {
+    ink: LinearRgba,
+    paper: LinearRgba,
+    letter: f64,
+}
+
+impl Pen {
+    fn new(params: &RenderParams, size: f64) -> Self {
+        Self { ink: ink(params), paper: paper(params), letter: letter(size) }
+    }
+
+    fn write(&self, shapes: &mut Vec<Shape>, text: &str, corner: DVec2) {
+        letters::text(shapes, text, corner, self.letter, letters::rim(self.letter), self.paper);
+        letters::text(shapes, text, corner, self.letter, letters::stroke(self.letter), self.ink);
+    }
+}
+
+/// A number in three digits.
+fn short(value: f64) -> String {
+    Short(format!("{value:.2e}").parse().unwrap_or(value)).to_string()
 }
 
 /// Between a picture's edge and its legend, in pixels.
@@ -85,7 +105,7 @@ fn letter(size: f64) -> f64 {
 }
 
 /// From 0 on top to 1, with the lines and numbers of the picture.
-fn scale_bar(shapes: &mut Vec<Shape>, bar: &Bar, values: &Values, unit: f64, ink: LinearRgba) {
+fn scale_bar(shapes: &mut Vec<Shape>, bar: &Bar, values: &Values, unit: f64, pen: &Pen) {
     bar.fill(shapes, 64, |value| values.colour(value));
     for i in 1..10 {
         let value = f64::from(i) * ISOLINE;
@@ -95,7 +115,7 @@ fn scale_bar(shapes: &mut Vec<Shape>, bar: &Bar, values: &Values, unit: f64, ink
         shapes.push(Shape::line(&line, half, maps::isoline(value), 0.85));
     }
     for value in [0.0, 0.5, 1.0] {
-        bar.label(shapes, value, &Short(values.number(value)).to_string(), ink);
+        bar.label(shapes, value, &short(values.number(value)), pen);
     }
 }
 
@@ -117,7 +137,6 @@ fn ink(params: &RenderParams) -> LinearRgba {
 struct Bar {
     min: DVec2,
     max: DVec2,
-    letter: f64,
 }
 
 impl Bar {
@@ -125,7 +144,7 @@ impl Bar {
         let corner = DVec2::new(f64::from(params.width), f64::from(params.height));
         let max = (corner - margin(size)).floor();
         let min = (max - DVec2::new((0.022 * size).max(6.0), 0.24 * size)).floor();
-        Self { min, max, letter: letter(size) }
+        Self { min, max }
     }
 
     /// The y of a value in [0, 1]: 0 on top.
@@ -146,17 +165,17 @@ impl Bar {
         }
     }
 
-    fn label(&self, shapes: &mut Vec<Shape>, value: f64, text: &str, ink: LinearRgba) {
-        let y = (self.at(value) - self.letter * 0.5).clamp(self.min.y, self.max.y - self.letter);
-        let x = self.min.x - 0.6 * self.letter - letters::width(text, self.letter);
-        letters::text(shapes, text, DVec2::new(x, y), self.letter, letters::stroke(self.letter), ink);
+    fn label(&self, shapes: &mut Vec<Shape>, value: f64, text: &str, pen: &Pen) {
+        let y = (self.at(value) - pen.letter * 0.5).clamp(self.min.y, self.max.y - pen.letter);
+        let x = self.min.x - 0.6 * pen.letter - letters::width(text, pen.letter);
+        pen.write(shapes, text, DVec2::new(x, y));
     }
 }
 
 /// The axes x, y and z in their colours, as the camera sees them, in the lower left corner.
-fn axes(shapes: &mut Vec<Shape>, screen: &Screen<'_>, size: f64, ink: LinearRgba) {
+fn axes(shapes: &mut Vec<Shape>, screen: &Screen<'_>, size: f64, pen: &Pen) {
     let length = (0.055 * size).max(14.0);
-    let letter = letter(size);
+    let letter = pen.letter;
     let room = length + 2.2 * letter;
     // Above the title.
     let middle = DVec2::new(room, f64::from(screen.height) - room - margin(size) - letter);
@@ -170,6 +189,6 @@ fn axes(shapes: &mut Vec<Shape>, screen: &Screen<'_>, size: f64, ink: LinearRgba
         let beyond = end + on_screen.normalize_or(DVec2::Y) * (1.1 * letter);
         // Letters have their weight in the lower two thirds.
         let corner = beyond - DVec2::new(letters::width(name, letter) * 0.5, letter * 0.66);
-        letters::text(shapes, name, corner, letter, letters::stroke(letter), ink);
+        pen.write(shapes, name, corner);
     }
 }

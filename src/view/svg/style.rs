@@ -92,7 +92,8 @@ impl Compound {
             let end = rest.find(['.', '#']).unwrap_or(rest.len());
             let word = &rest[..end];
             let known = |c: char| c.is_alphanumeric() || c == '-' || c == '_';
-            if !word.chars().all(known) && !(mark == ' ' && word == "*") || (word.is_empty() && mark != ' ') {
+            let first = mark == ' ';
+            if !(word.chars().all(known) || first && word == "*") || word.is_empty() && !first {
                 return None;
             }
             match mark {
