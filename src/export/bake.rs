@@ -9,7 +9,7 @@ use super::ExportError;
 use crate::colour::{decode, encode};
 use crate::exec::{Cancelled, Exec};
 use crate::mesh::index;
-use crate::render::{Picture, Surface, SurfaceFace};
+use crate::render::{Picture, Surface};
 
 /// Rows that are baked together.
 const BAND: usize = 16;
@@ -45,15 +45,9 @@ pub(super) fn bake(
             .map(|(band, (out, faces))| {
                 exec.check()?;
                 let owners = owners(texels, sheet, band, faces);
-                // Texels of one face lie one beside the other.
-                let mut face: Option<SurfaceFace<'_>> = None;
                 for (i, &(f, _)) in owners.iter().enumerate().filter(|(_, o)| o.0 != NOTHING) {
                     let place = centre(i % side, band * BAND + i / side);
-                    let f = f as usize;
-                    let mut here =
-                        face.take().filter(|face| face.number == f).unwrap_or_else(|| surface.face(f));
-                    out[i] = colour(&mut here, &texels[f], place, sheet.samples);
-                    face = Some(here);
+                    out[i] = colour(surface, f as usize, &texels[f as usize], place, sheet.samples);
                 }
                 stage.at(done.fetch_add(1, Ordering::Relaxed) + 1);
                 let inside = owners.iter().filter(|o| o.1 == 0.0).count();
@@ -154,13 +148,13 @@ fn nearest(t: &[DVec2; 3], p: DVec2) -> ([f64; 3], f64) {
 
 /// The mean colour of a face over a texel, each point moved to the nearest one of the face.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // at most 4 × 4 samples
-fn colour(face: &mut SurfaceFace<'_>, t: &[DVec2; 3], place: DVec2, samples: f64) -> [u8; 4] {
+fn colour(surface: &Surface<'_>, f: usize, t: &[DVec2; 3], place: DVec2, samples: f64) -> [u8; 4] {
     let n = samples as u32;
     let mut sum = [0.0f32; 4];
     for (i, j) in (0..n).flat_map(|j| (0..n).map(move |i| (i, j))) {
         let offset = (DVec2::new(f64::from(i), f64::from(j)) + 0.5) / samples - 0.5;
         let (w, _) = nearest(t, place + offset);
-        let c = face.colour(w.map(|w| w as f32));
+        let c = surface.colour(f, w.map(|w| w as f32));
         for k in 0..3 {
             sum[k] += c[k] * c[3];
         }

@@ -1,5 +1,6 @@
 //! What the outside of a filled model keeps of its mesh's own look.
 
+use std::cell::Cell;
 use std::fmt;
 
 use glam::DVec3;
@@ -11,9 +12,10 @@ use crate::mesh::{BoxTree, NONE, TriMesh, Wear, WornPicture, Wrap, box_of, close
 /// edge: interpolation in `f32` does not come nearer.
 const ON_TRIANGLE: f64 = 1e-6;
 
-/// How much farther than the nearest triangle others are looked at, as a part of the longest edge of the face's own:
-/// so far a point may move, twice, before all are looked at again.
-const MARGIN: f64 = 0.25;
+thread_local! {
+    /// The triangle that was found last.
+    static LAST: Cell<usize> = const { Cell::new(usize::MAX) };
+}
 
 /// A look that cannot be kept.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -110,14 +112,53 @@ impl Look {
         &self.wear
     }
 
-    /// The look as it lies over a face that lies on `triangle`, one of the surface's. `normal` is the face's own,
-    /// outwards.
+    /// The colour at the point of the surface that is nearest to `p`, in linear light with straight alpha.
+    /// Clear where that point's triangle wears nothing.
+    ///
+    /// `triangle` is the one that the face of `p` lies on, `normal` the face's own, outwards. Where `p` does
+    /// not lie on that triangle (the surface was simplified), the nearest of those that face the same way is
+    /// taken, so that a thin wall never shows its other side.
     ///
     /// # Panics
-    /// Where there is no such triangle, when it is asked.
+    /// Where there is no such triangle.
     #[must_use]
-    pub fn over(&self, triangle: u32, normal: DVec3) -> LookOver<'_> {
-        LookOver { look: self, triangle: triangle as usize, normal, last: None }
+    pub fn colour(&self, p: DVec3, triangle: u32, normal: DVec3) -> LinearRgba {
+        let (triangle, weights) = self.nearest(p, triangle as usize, normal);
+        self.colour_on(triangle, weights)
+    }
+
+    /// The nearest triangle, and barycentric coordinates of the nearest point on it.
+    fn nearest(&self, p: DVec3, triangle: usize, normal: DVec3) -> (usize, [f64; 3]) {
+        let corners = self.surface.corners(triangle);
+        let [a, b, c] = corners;
+        let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+        let at = closest_on_triangle(corners, p);
+        let within = p.distance_squared(a * at[0] + b * at[1] + c * at[2]);
+        if within <= ON_TRIANGLE * ON_TRIANGLE * longest {
+            return (triangle, at);
+        }
+        let mut found = (triangle, at);
+        let mut nearer = |t: usize, best: f64| {
+            let corners = self.surface.corners(t);
+            let [a, b, c] = corners;
+            if (b - a).cross(c - a).dot(normal) < 0.0 {
+                return best;
+            }
+            let at = closest_on_triangle(corners, p);
+            let distance = p.distance_squared(a * at[0] + b * at[1] + c * at[2]);
+            // Of those that are as near (at an edge between two), the first in number.
+            if distance < best || distance == best && t < found.0 {
+                found = (t, at);
+            }
+            distance.min(best)
+        };
+        // Texels and pixels are asked for one beside the other: what was nearest to the last one is hardly ever far, and
+        // leaves little to look at. It changes nothing of what is found.
+        let last = LAST.get();
+        let within = if last < self.surface.triangles.len() { nearer(last, within) } else { within };
+        self.tree.nearer(p, within, nearer);
+        LAST.set(found.0);
+        found
     }
 
     /// The colour at barycentric coordinates of a triangle: that of its vertices, of its material and of its
@@ -171,94 +212,6 @@ impl Look {
             left <= 0.0
         });
         finest.map(|s| s.0)
-    }
-}
-
-/// A look over one face. It is asked faster for points that lie one beside the other.
-#[derive(Debug, Clone)]
-pub struct LookOver<'a> {
-    look: &'a Look,
-    triangle: usize,
-    normal: DVec3,
-    last: Option<Nearest>,
-}
-
-/// The triangle that is nearest to a point.
-#[derive(Debug, Clone, Copy)]
-struct Nearest {
-    point: DVec3,
-    triangle: usize,
-    /// Barycentric coordinates of its nearest point.
-    at: [f64; 3],
-    /// All other triangles lie at least so far from the point.
-    others: f64,
-}
-
-impl LookOver<'_> {
-    /// The colour at the point of the surface that is nearest to `p`, in linear light with straight alpha.
-    /// Clear where that point's triangle wears nothing.
-    ///
-    /// Where `p` does not lie on the face's triangle (the surface was simplified), the nearest of those that face the
-    /// same way is taken, so that a thin wall never shows its other side.
-    pub fn colour(&mut self, p: DVec3) -> LinearRgba {
-        let (triangle, at) = self.nearest(p);
-        self.look.colour_on(triangle, at)
-    }
-
-    /// The square of a triangle's distance from a point, and barycentric coordinates of its nearest point.
-    fn distance(&self, triangle: usize, p: DVec3) -> (f64, [f64; 3]) {
-        let corners = self.look.surface.corners(triangle);
-        let [a, b, c] = corners;
-        let at = closest_on_triangle(corners, p);
-        (p.distance_squared(a * at[0] + b * at[1] + c * at[2]), at)
-    }
-
-    /// The nearest triangle, and barycentric coordinates of the nearest point on it.
-    fn nearest(&mut self, p: DVec3) -> (usize, [f64; 3]) {
-        let [a, b, c] = self.look.surface.corners(self.triangle);
-        let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
-        let (own, at) = self.distance(self.triangle, p);
-        if own <= ON_TRIANGLE * ON_TRIANGLE * longest {
-            return (self.triangle, at);
-        }
-        // What was nearest a little way off is still, as long as no other can have come nearer.
-        if let Some(last) = &self.last {
-            let (distance, at) = self.distance(last.triangle, p);
-            if distance.sqrt() + p.distance(last.point) < last.others * (1.0 - 1e-9) {
-                return (last.triangle, at);
-            }
-        }
-        let found = self.search(p, own, at, MARGIN * longest.sqrt());
-        self.last = Some(found);
-        (found.triangle, found.at)
-    }
-
-    /// Looks at all triangles, from the face's own on, at distance² `own`; farther than the nearest one only within
-    /// `margin`.
-    fn search(&self, p: DVec3, own: f64, at: [f64; 3], margin: f64) -> Nearest {
-        let mut found = (own, self.triangle, at);
-        // The least distance² of the others.
-        let mut second = f64::INFINITY;
-        let reach = |best: f64, second: f64| second.min((best.sqrt() + margin).powi(2));
-        self.look.tree.nearer(p, reach(own, second), |t, bound| {
-            if t == self.triangle {
-                return bound;
-            }
-            let [a, b, c] = self.look.surface.corners(t);
-            if (b - a).cross(c - a).dot(self.normal) < 0.0 {
-                return bound;
-            }
-            let (distance, at) = self.distance(t, p);
-            // Of those that are as near (at an edge between two), the first in number.
-            if distance < found.0 || distance == found.0 && t < found.1 {
-                second = found.0;
-                found = (distance, t, at);
-            } else {
-                second = second.min(distance);
-            }
-            reach(found.0, second)
-        });
-        Nearest { point: p, triangle: found.1, at: found.2, others: reach(found.0, second).sqrt() }
     }
 }
 

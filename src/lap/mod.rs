@@ -27,7 +27,7 @@ pub use file::{FORMAT_VERSION, METADATA_KEY, ModelFileError};
 pub(crate) use fill::COARSEST;
 pub use fill::{FillError, FillReport, fill};
 pub use kind::{Inputs, TextureType, UnknownType};
-pub use look::{Look, LookError, LookOver};
+pub use look::{Look, LookError};
 pub use measure::FillMeasures;
 pub use params::FillParams;
 pub use solid::{LappedSolid, Patch, interpolate};

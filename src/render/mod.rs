@@ -29,7 +29,7 @@ pub use frame::{frame_all, frame_all_from};
 pub use params::{MAX_PICTURE_SIDE, PictureSize, PictureSizeError, RenderParams};
 pub use picture::{Difference, Picture, PictureError};
 pub use show::{Mark, Painted, Show};
-pub use surface::{CREASE_DEG, Surface, SurfaceFace, SurfacePoint};
+pub use surface::{CREASE_DEG, Surface, SurfacePoint};
 
 use crate::exec::{Cancelled, Exec};
 use crate::lap::{LappedSolid, TextureType};

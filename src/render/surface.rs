@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::colour::LinearRgba;
-use crate::lap::{LappedSolid, LookOver};
+use crate::lap::LappedSolid;
 use crate::mesh::{BoundaryFace, FaceOrigin, TET_FACES, index};
 
 /// Faces that meet at a smaller angle than this, in degrees, share a smooth normal.
@@ -141,50 +141,26 @@ impl<'a> Surface<'a> {
     /// of a solid that keeps its mesh's own look, that look lies over it.
     #[must_use]
     pub fn colour(&self, f: usize, barycentric: [f32; 3]) -> LinearRgba {
-        self.face(f).colour(barycentric)
-    }
-
-    /// Face `f`, to be asked for many colours.
-    #[must_use]
-    pub fn face(&self, f: usize) -> SurfaceFace<'_> {
         let face = self.solid.mesh.boundary[f];
         let look = match (&self.solid.look, face.origin) {
-            (Some(look), FaceOrigin::Input(triangle)) => Some(look.over(triangle, self.flat[f])),
-            _ => None,
+            (Some(look), FaceOrigin::Input(triangle)) => {
+                let [a, b, c] = self.corners(f);
+                // From differences, so that the point stays in the face's plane.
+                let p = a + (b - a) * f64::from(barycentric[1]) + (c - a) * f64::from(barycentric[2]);
+                look.colour(p, triangle, self.flat[f])
+            }
+            _ => [0.0; 4],
         };
-        SurfaceFace { number: f, solid: self.solid, face, corners: self.corners(f), look }
-    }
-}
-
-/// A face of a surface, for its colours: [`Surface::colour`] many times over.
-#[derive(Debug, Clone)]
-pub struct SurfaceFace<'a> {
-    /// Its number in [`Surface::faces`].
-    pub number: usize,
-    solid: &'a LappedSolid,
-    face: BoundaryFace,
-    corners: [DVec3; 3],
-    look: Option<LookOver<'a>>,
-}
-
-impl SurfaceFace<'_> {
-    /// The colour at barycentric coordinates.
-    pub fn colour(&mut self, barycentric: [f32; 3]) -> LinearRgba {
-        let [a, b, c] = self.corners;
-        let look = self.look.as_mut().map_or([0.0; 4], |look| {
-            // From differences, so that the point stays in the face's plane.
-            look.colour(a + (b - a) * f64::from(barycentric[1]) + (c - a) * f64::from(barycentric[2]))
-        });
-        if look[3] >= 1.0 { look } else { over(look, self.filling(barycentric)) }
+        if look[3] >= 1.0 { look } else { over(look, self.filling(face, barycentric)) }
     }
 
-    /// The colour of its tetrahedron.
-    fn filling(&self, barycentric: [f32; 3]) -> LinearRgba {
+    /// The colour of a face's tetrahedron at barycentric coordinates of the face.
+    fn filling(&self, face: BoundaryFace, barycentric: [f32; 3]) -> LinearRgba {
         let mut in_tet = [0.0; 4];
-        for (k, b) in TET_FACES[self.face.face as usize].into_iter().zip(barycentric) {
+        for (k, b) in TET_FACES[face.face as usize].into_iter().zip(barycentric) {
             in_tet[k] = b;
         }
-        self.solid.colour(self.face.tet as usize, in_tet)
+        self.solid.colour(face.tet as usize, in_tet)
     }
 }
 

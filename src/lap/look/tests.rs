@@ -85,21 +85,21 @@ fn pictures_may_be_clamped_and_mirrored() {
 fn a_point_takes_what_its_triangle_wears() {
     let look = look();
     let up = DVec3::Z;
-    near(look.over(0, up).colour(DVec3::new(1.5, 0.5, 0.0)), [0.0, 1.0, 0.0, 1.0]);
-    near(look.over(1, up).colour(DVec3::new(0.5, 1.5, 0.0)), [0.0, 0.0, 1.0, 1.0]);
-    near(look.over(2, -up).colour(DVec3::new(1.5, 0.5, -0.1)), [0.0, 0.0, 0.0, 1.0]);
-    near(look.over(3, -up).colour(DVec3::new(0.5, 1.5, -0.1)), [0.0; 4]);
+    near(look.colour(DVec3::new(1.5, 0.5, 0.0), 0, up), [0.0, 1.0, 0.0, 1.0]);
+    near(look.colour(DVec3::new(0.5, 1.5, 0.0), 1, up), [0.0, 0.0, 1.0, 1.0]);
+    near(look.colour(DVec3::new(1.5, 0.5, -0.1), 2, -up), [0.0, 0.0, 0.0, 1.0]);
+    near(look.colour(DVec3::new(0.5, 1.5, -0.1), 3, -up), [0.0; 4]);
 }
 
 #[test]
 fn where_the_face_strays_the_nearest_triangle_of_its_side_is_taken() {
     let look = look();
     // Said to lie on triangle 0, but over triangle 1.
-    near(look.over(0, DVec3::Z).colour(DVec3::new(0.5, 1.5, 0.02)), [0.0, 0.0, 1.0, 1.0]);
+    near(look.colour(DVec3::new(0.5, 1.5, 0.02), 0, DVec3::Z), [0.0, 0.0, 1.0, 1.0]);
     // Nearer to the sheet's other side, which is black.
-    near(look.over(0, DVec3::Z).colour(DVec3::new(0.5, 0.5, -0.09)), [1.0, 0.0, 0.0, 1.0]);
+    near(look.colour(DVec3::new(0.5, 0.5, -0.09), 0, DVec3::Z), [1.0, 0.0, 0.0, 1.0]);
     // Beyond the rim, on it.
-    let found = look.over(1, DVec3::Z).colour(DVec3::new(5.0, 0.5, 0.5));
+    let found = look.colour(DVec3::new(5.0, 0.5, 0.5), 1, DVec3::Z);
     near(found, [0.5, 0.5, 0.0, 1.0]);
 }
 
@@ -108,7 +108,7 @@ fn colours_of_vertices_multiply_and_what_fits_not_is_refused() {
     let (colour, clear) = ([255, 0, 0, 255], [0, 0, 255, 0]);
     let wear = Wear { colours: vec![[colour, colour, clear]; 4], ..Wear::default() };
     let look = Look::new(sheet(), &wear).unwrap();
-    let found = look.over(0, DVec3::Z).colour(DVec3::new(2.0, 1.0, 0.0));
+    let found = look.colour(DVec3::new(2.0, 1.0, 0.0), 0, DVec3::Z);
     near(found, [0.5, 0.0, 0.5, 0.5]);
     assert!(look.finest_pixel().is_none());
     assert_eq!(Look::new(sheet(), &Wear::default()).unwrap_err(), LookError::Nothing);
@@ -122,43 +122,4 @@ fn colours_of_vertices_multiply_and_what_fits_not_is_refused() {
 fn the_finest_pixel() {
     // Two units of length for two pixels.
     assert!((look().finest_pixel().unwrap() - 1.0).abs() < 1e-12);
-}
-
-#[test]
-fn beside_the_last_point_the_nearest_is_found_as_if_asked_alone() {
-    // Hills over a grid of 12 by 12, and a face far above and below them.
-    let n = 12u32;
-    let height = |x: u32, y: u32| 0.6 * (f64::from(x) * 0.9).sin() * (f64::from(y) * 0.7).cos();
-    let vertices =
-        (0..=n).flat_map(|y| (0..=n).map(move |x| DVec3::new(f64::from(x), f64::from(y), height(x, y))));
-    let cell = |x: u32, y: u32| {
-        let a = y * (n + 1) + x;
-        [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]
-    };
-    let surface = TriMesh {
-        vertices: vertices.collect(),
-        triangles: (0..n).flat_map(|y| (0..n).flat_map(move |x| cell(x, y))).collect(),
-    };
-    let wear = Wear { colours: vec![[[255; 4]; 3]; surface.triangles.len()], ..Wear::default() };
-    let look = Look::new(surface, &wear).unwrap();
-    let normal = DVec3::new(0.1, -0.2, 1.0);
-    let (mut over, own) = (look.over(137, normal), 137);
-    let mut changes = 0;
-    let mut before = usize::MAX;
-    for step in 0..3000 {
-        let t = f64::from(step) * 0.004;
-        let p = DVec3::new(6.0 + 6.5 * (t * 1.3).sin(), 6.0 + 6.5 * (t * 0.9).cos(), (t * 0.5).sin());
-        let facing = |t: &usize| {
-            let [a, b, c] = look.surface.corners(*t);
-            *t == own || (b - a).cross(c - a).dot(normal) >= 0.0
-        };
-        let all = (0..look.surface.triangles.len()).filter(facing);
-        let nearest =
-            all.map(|t| (over.distance(t, p).0, t)).min_by(|a, b| a.partial_cmp(b).unwrap()).unwrap();
-        let (found, at) = over.nearest(p);
-        assert_eq!((found, at), (nearest.1, over.distance(nearest.1, p).1), "step {step}");
-        changes += usize::from(found != before);
-        before = found;
-    }
-    assert!(changes > 50, "{changes}");
 }
