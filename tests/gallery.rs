@@ -37,18 +37,21 @@ fn every_project_file_is_shown_with_its_command() {
 }
 
 #[test]
-fn pictures_and_page_belong_together() {
-    let page = page();
-    let named: BTreeSet<String> = page
-        .match_indices("src=\"images/gallery/")
-        .map(|(at, start)| page[at + start.len()..].split('"').next().unwrap().to_owned())
-        .collect();
-    let there = names("docs/images/gallery", "png");
-    assert!(named.len() > 4);
-    assert_eq!(named, there, "the page names one set of pictures, docs/images/gallery holds the other");
-    for name in there {
-        let bytes = fs::metadata(root().join("docs/images/gallery").join(&name)).unwrap().len();
-        assert!(bytes <= 250_000, "{name} has {bytes} bytes");
+fn pictures_and_pages_belong_together() {
+    for (page, folder) in [("docs/gallery.md", "gallery"), ("docs/types.md", "types")] {
+        let text = fs::read_to_string(root().join(page)).unwrap();
+        let start = format!("src=\"images/{folder}/");
+        let named: BTreeSet<String> = text
+            .match_indices(&start)
+            .map(|(at, start)| text[at + start.len()..].split('"').next().unwrap().to_owned())
+            .collect();
+        let there = names(&format!("docs/images/{folder}"), "png");
+        assert!(named.len() > 4);
+        assert_eq!(named, there, "{page} names one set of pictures, docs/images/{folder} holds the other");
+        for name in there {
+            let bytes = fs::metadata(root().join(format!("docs/images/{folder}")).join(&name)).unwrap().len();
+            assert!(bytes <= 250_000, "{name} has {bytes} bytes");
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! Writes `docs/gallery.md`, `docs/types.md` and their pictures in `docs/images/gallery`: runs every project file under `meshes/`,
+//! Writes `docs/gallery.md`, `docs/types.md` and their pictures: runs every project file under `meshes/`,
 //! keeps its pictures small, and puts its numbers beside those of Takayama et al. 2008, Table 1.
 //!
 //!     cargo run --release --example gallery -- [--machine "what it ran on"]
@@ -84,9 +84,8 @@ fn write(machine: &str) -> Result<(), Box<dyn Error>> {
     if let Some(path) = files.first() {
         return Err(format!("{} has no entry in tools/gallery/models.rs", path.display()).into());
     }
-    let types = types::write(root, &images)?;
-    let kept: BTreeSet<&str> =
-        shown.iter().flat_map(|s| &s.pictures).chain(&types).map(String::as_str).collect();
+    types::write(root)?;
+    let kept: BTreeSet<&str> = shown.iter().flat_map(|s| &s.pictures).map(String::as_str).collect();
     for entry in fs::read_dir(&images)? {
         let path = entry?.path();
         if !path.file_name().and_then(|n| n.to_str()).is_some_and(|n| kept.contains(n)) {

@@ -42,15 +42,16 @@ const ALL: [(TextureType, &str); 7] = [
     (TextureType::Type2d, "A map: each place of the texture has its place in the shape."),
 ];
 
-/// Writes the page and its pictures; returns the pictures' names.
-pub(crate) fn write(root: &Path, images: &Path) -> Result<Vec<String>, Box<dyn Error>> {
+/// Writes the page and its pictures.
+pub(crate) fn write(root: &Path) -> Result<(), Box<dyn Error>> {
+    let images = root.join("docs/images/types");
+    fs::create_dir_all(&images)?;
     let folder = tempfile::tempdir()?;
     let folder = folder.path();
     fs::write(folder.join("body.obj"), write_obj(&star(8, surface)))?;
     let exec = Exec::default();
     let mut page = String::from(HEAD);
     let mut rows = String::new();
-    let mut pictures = Vec::new();
     for (kind, says) in ALL {
         eprintln!("type {kind}");
         let text = project_file(kind);
@@ -62,8 +63,7 @@ pub(crate) fn write(root: &Path, images: &Path) -> Result<Vec<String>, Box<dyn E
         let out = folder.join(format!("out-{kind}"));
         let options = RunOptions { mesher: Mesher::find(None), seed: None, force: false };
         let report = project::run(&project, &out, &options, &exec)?;
-        let mut keep = |name: String, picture: &Picture, side: u32| {
-            pictures.push(name.clone());
+        let keep = |name: &str, picture: &Picture, side: u32| {
             write_whole(&images.join(name), &small_png(picture, side))
         };
         writeln!(page, "\n## Type {kind}\n")?;
@@ -71,18 +71,18 @@ pub(crate) fn write(root: &Path, images: &Path) -> Result<Vec<String>, Box<dyn E
         writeln!(page)?;
         for what in ["whole", "cut"] {
             let name = format!("type-{kind}-{what}.png");
-            keep(name.clone(), &Picture::from_png(&fs::read(out.join(format!("{what}.png")))?)?, SIDE)?;
-            writeln!(page, "<img src=\"images/gallery/{name}\" height=\"220\" alt=\"type {kind} {what}\">")?;
+            keep(&name, &Picture::from_png(&fs::read(out.join(format!("{what}.png")))?)?, SIDE)?;
+            writeln!(page, "<img src=\"images/types/{name}\" height=\"220\" alt=\"type {kind} {what}\">")?;
         }
         let name = format!("type-{kind}-texture.png");
-        keep(name.clone(), &cube::picture(&volume, &exec)?, CUBE_SIDE)?;
-        writeln!(page, "<img src=\"images/gallery/{name}\" height=\"120\" alt=\"type {kind} texture\">")?;
+        keep(&name, &cube::picture(&volume, &exec)?, CUBE_SIDE)?;
+        writeln!(page, "<img src=\"images/types/{name}\" height=\"120\" alt=\"type {kind} texture\">")?;
         writeln!(page, "\n```toml\n{}```", text)?;
         row(&mut rows, kind, &report)?;
     }
     write!(page, "{MEASURES}{rows}")?;
     write_whole(&root.join("docs/types.md"), page.as_bytes())?;
-    Ok(pictures)
+    Ok(())
 }
 
 const HEAD: &str = "\
