@@ -228,22 +228,25 @@ impl Level {
                 (z * size[1] + y) * size[0] + x
             };
             // Both layers of voxels within one coarse layer would get the same neighbourhoods, and the volume would stay
-            // a pile of doubled slices. Every other layer gets those a pixel aside: as a layer it is as coherent.
+            // a pile of doubled slices. Every other layer gets those a pixel aside (as a layer it is as coherent), half of
+            // them from the next coarse layer, so that it comes to lie between the two.
             let mut rng = random(self.seed, self.number, 8 + axis.index() as u64, 0);
             let layers = 0..self.lattice.size[axis.index()];
             let steps = self.alike(sheet);
-            let aside: Vec<[isize; 2]> = layers
-                .map(|layer| {
-                    let step = steps[(rng.next_u32() % steps.len() as u32) as usize];
-                    if (layer + phase[axis.index()]) % 2 == 1 { step } else { [0, 0] }
-                })
-                .collect();
+            let aside: Vec<[isize; 2]> =
+                layers.map(|_| steps[(rng.next_u32() % steps.len() as u32) as usize]).collect();
+            let a = axis.index();
             let find = |at: [usize; 3], rng: &mut ChaCha8Rng| {
-                let parent = parent(at);
+                let mut parent = parent(at);
+                let between = (at[a] + phase[a]) % 2 == 1;
+                let goes_on = coarse.lattice.tiles[a] || parent[a] + 1 < coarse.lattice.size[a];
+                if between && goes_on && rng.next_u32().is_multiple_of(2) {
+                    parent[a] += 1;
+                }
                 let place = from[number(parent)];
                 let [px, py] = coarse.atlas.sheets[sheet].pixel(place);
                 let child = |p: usize, a: usize| (2 * p + at[a] + phase[a]) as isize - 2 * parent[a] as isize;
-                let [x, y] = aside[at[axis.index()]];
+                let [x, y] = if between { aside[at[a]] } else { [0, 0] };
                 self.nearest(sheet, [child(px, right) + x, child(py, down) + y], at, rng)
             };
             index[axis.index()] = self.sites(axis, find);
