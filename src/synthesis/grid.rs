@@ -42,11 +42,8 @@ impl Grid {
         let size = lattice.size;
         let fits = |a: usize, c: usize| lattice.tiles[a] || (c >= half && c + width - half <= size[a]);
         // Where nothing wraps, the outermost neighbourhoods always belong to it: what lies there is in no others.
-        let outermost =
-            |a: usize, c: usize| !lattice.tiles[a] && (c == half || c + width - half == size[a]);
-        let on = |a: usize, phase: usize, c: usize| {
-            fits(a, c) && (c % spacing == phase || outermost(a, c))
-        };
+        let outermost = |a: usize, c: usize| !lattice.tiles[a] && (c == half || c + width - half == size[a]);
+        let on = |a: usize, phase: usize, c: usize| fits(a, c) && (c % spacing == phase || outermost(a, c));
         let strides = [1, size[0], size[0] * size[1]];
         let middle = 0.5 * (width as f32 - 1.0) - half as f32;
         let each = |a: usize| (0..spacing).flat_map(move |phase| (0..size[a]).map(move |c| (phase, c)));

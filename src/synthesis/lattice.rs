@@ -86,7 +86,13 @@ impl Lattice {
 
     /// The neighbours of a voxel along the axis itself, so many layers away: before and behind.
     #[inline(always)]
-    pub(super) fn beside(&self, axis: Axis, voxel: usize, at: [usize; 3], layers: usize) -> [Option<usize>; 2] {
+    pub(super) fn beside(
+        &self,
+        axis: Axis,
+        voxel: usize,
+        at: [usize; 3],
+        layers: usize,
+    ) -> [Option<usize>; 2] {
         let a = axis.index();
         let steps = &self.steps[a][at[a]..=at[a] + 2 * REACH];
         let own = voxel - steps[REACH] as usize;
@@ -130,7 +136,10 @@ mod tests {
         assert_eq!(slice.at(-4, -2), Some(number(0, 0, 3)));
         assert_eq!(lattice.beside(Axis::X, number(4, 0, 1), at, 1), [3, 0].map(|x| Some(number(x, 0, 1))));
         assert_eq!(lattice.beside(Axis::Y, number(4, 0, 1), at, 1), [None, Some(number(4, 1, 1))]);
-        assert_eq!(lattice.beside(Axis::Z, number(4, 0, 1), at, 3), [Some(number(4, 0, 2)), Some(number(4, 0, 0))]);
+        assert_eq!(
+            lattice.beside(Axis::Z, number(4, 0, 1), at, 3),
+            [Some(number(4, 0, 2)), Some(number(4, 0, 0))]
+        );
         assert_eq!(lattice.position(number(4, 2, 3)), [4, 2, 3]);
     }
 

@@ -92,14 +92,18 @@ impl pulp::WithSimd for Line<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        self.solver.row(self.row, self.line);
+        if self.solver.level.atlas.features {
+            self.solver.row::<4>(self.row, self.line);
+        } else {
+            self.solver.row::<3>(self.row, self.line);
+        }
     }
 }
 
 /// Eight pixels that neighbourhoods propose, side by side for the processor's vector unit.
 #[derive(Debug, Clone, Copy)]
-struct Proposals {
-    look: [[f32; LANES]; 4],
+struct Proposals<const C: usize> {
+    look: [[f32; LANES]; C],
     weight: [f32; LANES],
     factor: [f32; LANES],
     place: [u32; LANES],
@@ -107,18 +111,18 @@ struct Proposals {
 
 const LANES: usize = 8;
 
-/// No proposals: nothing that weighs anything, or that could be chosen.
-const NONE: Proposals = Proposals {
-    look: [[0.0; LANES]; 4],
-    weight: [0.0; LANES],
-    factor: [f32::INFINITY; LANES],
-    place: [NOWHERE; LANES],
-};
+impl<const C: usize> Proposals<C> {
+    /// Nothing that weighs anything, or that could be chosen.
+    const NONE: Self = Self {
+        look: [[0.0; LANES]; C],
+        weight: [0.0; LANES],
+        factor: [f32::INFINITY; LANES],
+        place: [NOWHERE; LANES],
+    };
 
-impl Proposals {
     /// The squared distance of each from a look.
     #[inline(always)]
-    fn distances(&self, from: &[f32; 4]) -> [f32; LANES] {
+    fn distances(&self, from: &[f32; C]) -> [f32; LANES] {
         let mut sum = [0.0; LANES];
         for (look, from) in self.look.iter().zip(from) {
             for (sum, look) in sum.iter_mut().zip(look) {
@@ -132,9 +136,9 @@ impl Proposals {
 
 /// The mean of proposals, each with the weight that `weigh` gives it.
 #[inline(always)]
-fn mean(blocks: &[Proposals], weigh: impl Fn(&Proposals) -> [f32; LANES]) -> [f32; 4] {
+fn mean<const C: usize>(blocks: &[Proposals<C>], weigh: impl Fn(&Proposals<C>) -> [f32; LANES]) -> [f32; C] {
     let mut total = [0.0f32; LANES];
-    let mut sums = [[0.0f32; LANES]; 4];
+    let mut sums = [[0.0f32; LANES]; C];
     for block in blocks {
         let weights = weigh(block);
         for (sum, look) in sums.iter_mut().zip(&block.look) {
@@ -148,10 +152,10 @@ fn mean(blocks: &[Proposals], weigh: impl Fn(&Proposals) -> [f32; LANES]) -> [f3
 
 impl Solver<'_> {
     #[inline(always)]
-    fn row(&self, row: usize, line: &mut [Choice]) {
+    fn row<const C: usize>(&self, row: usize, line: &mut [Choice]) {
         let [nx, ny, _] = self.level.lattice.size;
         let (y, z) = (row % ny, row / ny);
-        let mut blocks = vec![NONE; self.level.grid.most().div_ceil(LANES)];
+        let mut blocks = vec![Proposals::<C>::NONE; self.level.grid.most().div_ceil(LANES)];
         for (x, entry) in line.iter_mut().enumerate() {
             *entry = self.voxel(row * nx + x, [x, y, z], &mut blocks);
         }
@@ -159,7 +163,13 @@ impl Solver<'_> {
 
     /// What the neighbourhoods around a voxel propose, and how many do.
     #[inline(always)]
-    fn gather(&self, at: [usize; 3], old: u32, own: f32, blocks: &mut [Proposals]) -> usize {
+    fn gather<const C: usize>(
+        &self,
+        at: [usize; 3],
+        old: u32,
+        own: f32,
+        blocks: &mut [Proposals<C>],
+    ) -> usize {
         let Level { lattice, grid, atlas, .. } = self.level;
         let mut count = 0;
         for (axis, sheet) in self.level.directions() {
@@ -178,7 +188,7 @@ impl Solver<'_> {
                     let (factor, inverse) = if place == old { (own, 1.0 / own) } else { (factor, inverse) };
                     let (block, lane) = (&mut blocks[count / LANES], count % LANES);
                     let look = &atlas.look[place as usize];
-                    (0..4).for_each(|k| block.look[k][lane] = look[k]);
+                    (0..C).for_each(|k| block.look[k][lane] = look[k]);
                     // Equation 4.
                     block.weight[lane] = long(weights[near]) * row.say * column.say * inverse;
                     block.factor[lane] = factor;
@@ -191,7 +201,7 @@ impl Solver<'_> {
     }
 
     #[inline(always)]
-    fn voxel(&self, voxel: usize, at: [usize; 3], blocks: &mut [Proposals]) -> Choice {
+    fn voxel<const C: usize>(&self, voxel: usize, at: [usize; 3], blocks: &mut [Proposals<C>]) -> Choice {
         let old = self.state.source[voxel];
         let own = if old == NOWHERE { 1.0 } else { self.histogram.own_factor(old) };
         let count = self.gather(at, old, own, blocks);

@@ -206,15 +206,14 @@ fn level(
     Ok(Level { number, atlas, windows, width, lattice, grid, finest, repetition, photo_of, depth, seed })
 }
 
-/// Passes of a level: many where structure is found, few where it is refined. A pass looks at a part of the
-/// neighbourhoods.
+/// Passes of a level, each over a part of its neighbourhoods: many where structure is found, few where it is refined.
 fn passes(number: usize, levels: usize) -> usize {
     if number == 0 {
         48
     } else if number + 1 < levels {
         16
     } else {
-        9
+        7
     }
 }
 

@@ -20,7 +20,6 @@ const FINE_GAMMA: f32 = 0.2;
 /// Keeps weights finite: a squared distance for each pixel, small beside the 2 of two random pixels.
 const TINY: f32 = 1e-3;
 
-
 /// What a search did.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Searched {
