@@ -99,7 +99,7 @@ fn widths(photos: &[Photograph], params: &SynthesisParams) -> Vec<usize> {
     let all = [8, 8, 8, 8, 8, 8, 6, 4];
     match levels {
         1 => vec![8],
-        2 => vec![8, 6],
+        2 => vec![8, 4],
         n => all[8 - n as usize..].to_vec(),
     }
 }
