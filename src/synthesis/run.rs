@@ -213,7 +213,7 @@ fn passes(number: usize, levels: usize) -> usize {
     } else if number + 1 < levels {
         16
     } else {
-        7
+        8
     }
 }
 
