@@ -238,8 +238,8 @@ impl Solver<'_> {
         let mut least = f32::INFINITY;
         for block in &*blocks {
             let distances = block.distances(&middle);
-            for n in 0..LANES {
-                let cost = distances[n] + base;
+            for (n, distance) in distances.into_iter().enumerate() {
+                let cost = distance + base;
                 if cost * block.factor[n] < least {
                     least = cost * block.factor[n];
                     best.place = block.place[n];
