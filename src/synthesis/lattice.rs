@@ -78,12 +78,25 @@ impl Lattice {
         Slice { right: along(axis.right()), down: along(axis.down()), rest: self.steps[n][at[n] + REACH] }
     }
 
-    /// The neighbours of a voxel along the axis itself: one before, one behind.
+    /// What the coordinate along `axis` adds to a voxel's number.
     #[inline(always)]
-    pub(super) fn beside(&self, axis: Axis, voxel: usize, at: [usize; 3]) -> [Option<usize>; 2] {
+    pub(super) fn layer(&self, axis: Axis, at: [usize; 3]) -> usize {
+        self.steps[axis.index()][at[axis.index()] + REACH] as usize
+    }
+
+    /// The neighbours of a voxel along the axis itself, so many layers away: before and behind.
+    #[inline(always)]
+    pub(super) fn beside(
+        &self,
+        axis: Axis,
+        voxel: usize,
+        at: [usize; 3],
+        layers: usize,
+    ) -> [Option<usize>; 2] {
         let a = axis.index();
-        let steps = &self.steps[a][at[a] + REACH - 1..=at[a] + REACH + 1];
-        [steps[0], steps[2]].map(|s| (s != NOWHERE).then(|| voxel - steps[1] as usize + s as usize))
+        let steps = &self.steps[a][at[a]..=at[a] + 2 * REACH];
+        let own = voxel - steps[REACH] as usize;
+        [steps[REACH - layers], steps[REACH + layers]].map(|s| (s != NOWHERE).then(|| own + s as usize))
     }
 
     /// Whether the window of `width` around a voxel, in the slice perpendicular to `axis`, lies within the volume.
@@ -121,8 +134,12 @@ mod tests {
         assert_eq!(slice.at(3, 1), Some(number(4, 1, 0)));
         let slice = lattice.slice(Axis::Y, at);
         assert_eq!(slice.at(-4, -2), Some(number(0, 0, 3)));
-        assert_eq!(lattice.beside(Axis::X, number(4, 0, 1), at), [3, 0].map(|x| Some(number(x, 0, 1))));
-        assert_eq!(lattice.beside(Axis::Y, number(4, 0, 1), at), [None, Some(number(4, 1, 1))]);
+        assert_eq!(lattice.beside(Axis::X, number(4, 0, 1), at, 1), [3, 0].map(|x| Some(number(x, 0, 1))));
+        assert_eq!(lattice.beside(Axis::Y, number(4, 0, 1), at, 1), [None, Some(number(4, 1, 1))]);
+        assert_eq!(
+            lattice.beside(Axis::Z, number(4, 0, 1), at, 3),
+            [Some(number(4, 0, 2)), Some(number(4, 0, 0))]
+        );
         assert_eq!(lattice.position(number(4, 2, 3)), [4, 2, 3]);
     }
 

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::atlas::{Atlas, NOWHERE};
 use super::axes::Axis;
+use super::grid::Grid;
 use super::histogram::Histogram;
 use super::lattice::Lattice;
 use super::windows::{Depth, Windows};
@@ -20,6 +21,13 @@ pub(super) struct Level {
     /// Pixels along a neighbourhood's side.
     pub(super) width: usize,
     pub(super) lattice: Lattice,
+    /// Which neighbourhoods a pass looks at.
+    pub(super) grid: Grid,
+    /// Whether it is the last.
+    pub(super) finest: bool,
+    /// For slices perpendicular to each axis, by how much a neighbourhood is made harder to choose for each of the layers
+    /// [`REPEATED`] before and behind that is copied from about the same pixel: see [`Level::repetition`].
+    pub(super) repetition: [f32; 3],
     /// The photograph of the slices perpendicular to each axis; none where they are unconstrained.
     pub(super) photo_of: [Option<usize>; 3],
     /// The axis that is depth, and how it binds, where the texture varies.
@@ -37,6 +45,11 @@ pub(super) struct State {
     /// The weight of each of these neighbourhoods: the upper half of an f32, which is precise enough.
     pub(super) weight: [Vec<u16>; 3],
 }
+
+/// Layers apart at which slices are not to repeat each other.
+pub(super) const REPEATED: usize = 3;
+/// How much harder a repetition is to choose where the photographs change as much as they ever do over so many pixels.
+const REPETITION: f32 = 2.0;
 
 /// Steps to the pixels around one.
 const ASIDE: [[isize; 2]; 8] = [[-1, -1], [0, -1], [1, -1], [-1, 0], [1, 0], [-1, 1], [0, 1], [1, 1]];
@@ -87,6 +100,28 @@ impl Level {
             Some((from, to)) => self.windows[sheet].between(from, to),
             None => &self.windows[sheet].all,
         }
+    }
+
+    /// A volume drawn out of one photograph along a diagonal has perfect slices in two directions of three, and stripes in the
+    /// third: energy (1) likes it, and it grows. In it a slice goes on copying from about the same pixels layer after
+    /// layer. So a neighbourhood that a slice [`REPEATED`] layers away has too is made harder to choose, as much as the
+    /// photographs that show this axis change over so many pixels: along the grain of wood, where layers should be alike, hardly.
+    pub(super) fn repetition(atlas: &Atlas, windows: &[Windows], photo_of: [Option<usize>; 3]) -> [f32; 3] {
+        Axis::ALL.map(|axis| {
+            let (mut sum, mut count) = (0.0, 0);
+            for other in Axis::ALL.into_iter().filter(|&other| other != axis) {
+                let Some(sheet) = photo_of[other.index()] else { continue };
+                let along = if other.right() == axis { 1 } else { atlas.sheets[sheet].stride };
+                let apart = (REPEATED * along) as u32;
+                for &p in windows[sheet].all.iter().filter(|&&p| atlas.usable[(p + apart) as usize]) {
+                    let [a, b] = [p, p + apart].map(|p| atlas.look[p as usize]);
+                    sum += (0..3).map(|k| f64::from(a[k] - b[k]).powi(2)).sum::<f64>();
+                    count += 1;
+                }
+            }
+            // Two pixels picked at random have a squared distance of 2.
+            1.0 + REPETITION * (sum / f64::from(count.max(1)) / 2.0).min(1.0) as f32
+        })
     }
 
     /// The empty index histogram of a direction.
@@ -193,22 +228,25 @@ impl Level {
                 (z * size[1] + y) * size[0] + x
             };
             // Both layers of voxels within one coarse layer would get the same neighbourhoods, and the volume would stay
-            // a pile of doubled slices. Every other layer gets those a pixel aside: as a layer it is as coherent.
+            // a pile of doubled slices. Every other layer gets those a pixel aside (as a layer it is as coherent), half of
+            // them from the next coarse layer, so that it comes to lie between the two.
             let mut rng = random(self.seed, self.number, 8 + axis.index() as u64, 0);
             let layers = 0..self.lattice.size[axis.index()];
             let steps = self.alike(sheet);
-            let aside: Vec<[isize; 2]> = layers
-                .map(|layer| {
-                    let step = steps[(rng.next_u32() % steps.len() as u32) as usize];
-                    if (layer + phase[axis.index()]) % 2 == 1 { step } else { [0, 0] }
-                })
-                .collect();
+            let aside: Vec<[isize; 2]> =
+                layers.map(|_| steps[(rng.next_u32() % steps.len() as u32) as usize]).collect();
+            let a = axis.index();
             let find = |at: [usize; 3], rng: &mut ChaCha8Rng| {
-                let parent = parent(at);
+                let mut parent = parent(at);
+                let between = (at[a] + phase[a]) % 2 == 1;
+                let goes_on = coarse.lattice.tiles[a] || parent[a] + 1 < coarse.lattice.size[a];
+                if between && goes_on && rng.next_u32().is_multiple_of(2) {
+                    parent[a] += 1;
+                }
                 let place = from[number(parent)];
                 let [px, py] = coarse.atlas.sheets[sheet].pixel(place);
                 let child = |p: usize, a: usize| (2 * p + at[a] + phase[a]) as isize - 2 * parent[a] as isize;
-                let [x, y] = aside[at[axis.index()]];
+                let [x, y] = if between { aside[at[a]] } else { [0, 0] };
                 self.nearest(sheet, [child(px, right) + x, child(py, down) + y], at, rng)
             };
             index[axis.index()] = self.sites(axis, find);

@@ -10,7 +10,7 @@
 //! |---|---|
 //! | `exemplar`, `plate`, `distance` | photographs at working size, their pyramid, what steers them |
 //! | `atlas`, `windows`, `basis`, `similar` | a level's pixels and neighbourhoods, described and compared |
-//! | `lattice`, `level` | a level's voxels, and what is known of them |
+//! | `lattice`, `grid`, `level` | a level's voxels, which neighbourhoods a pass looks at, what is known of them |
 //! | `histogram`, `passes`, `search`, `optimise` | the two phases, in fixed pieces |
 
 mod atlas;
@@ -18,6 +18,7 @@ mod axes;
 mod basis;
 mod distance;
 mod exemplar;
+mod grid;
 mod histogram;
 mod lattice;
 mod level;

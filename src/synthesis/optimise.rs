@@ -12,6 +12,12 @@ use crate::exec::{Cancelled, Exec};
 /// How much of the proposals' variance is added to each one's distance from their mean: the histogram chooses between
 /// proposals that differ by less.
 const SPREAD: f32 = 0.1;
+/// Steps of the mean shift at the finest level. What three slices propose is often two colours or three: their mean is
+/// none of these, and a volume of means has lost its grain. So the mean moves to where most proposals are (Wexler,
+/// Shechtman & Irani 2007).
+const SHIFTS: usize = 4;
+/// The squared distance at which a proposal loses half of its weight in that, over the proposals' variance.
+const BANDWIDTH: f32 = 0.2;
 
 /// One pass over all voxels.
 pub(super) fn optimise(
@@ -24,12 +30,13 @@ pub(super) fn optimise(
     let [nx, ..] = level.lattice.size;
     let mut found: Vec<Choice> = Vec::new();
     let arch = pulp::Arch::new();
+    let shifts = if level.finest { SHIFTS } else { 0 };
     for rows in chunks(&level.lattice, pass.number) {
         exec.check()?;
         found.clear();
         found.resize(rows.len() * nx, Choice { place: NOWHERE, cost: 0.0, before: 0.0 });
         let first = rows.start;
-        let solver = Solver { level, state, histogram };
+        let solver = Solver { level, state, histogram, pass: pass.number, shifts };
         found.par_chunks_mut(nx).enumerate().for_each(|(n, line)| {
             arch.dispatch(Line { solver: &solver, row: first + n, line });
         });
@@ -68,6 +75,9 @@ struct Solver<'a> {
     level: &'a Level,
     state: &'a State,
     histogram: &'a Histogram,
+    pass: usize,
+    /// Steps of the mean shift.
+    shifts: usize,
 }
 
 /// A row's work, compiled for every kind of vector unit.
@@ -82,92 +92,162 @@ impl pulp::WithSimd for Line<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        self.solver.row(self.row, self.line);
+        if self.solver.level.atlas.features {
+            self.solver.row::<4>(self.row, self.line);
+        } else {
+            self.solver.row::<3>(self.row, self.line);
+        }
     }
 }
 
-/// A pixel that a neighbourhood proposes.
+/// Eight pixels that neighbourhoods propose, side by side for the processor's vector unit.
 #[derive(Debug, Clone, Copy)]
-struct Proposal {
-    look: [f32; 4],
-    factor: f32,
-    place: u32,
+struct Proposals<const C: usize> {
+    look: [[f32; LANES]; C],
+    weight: [f32; LANES],
+    factor: [f32; LANES],
+    place: [u32; LANES],
+}
+
+const LANES: usize = 8;
+
+impl<const C: usize> Proposals<C> {
+    /// Nothing that weighs anything, or that could be chosen.
+    const NONE: Self = Self {
+        look: [[0.0; LANES]; C],
+        weight: [0.0; LANES],
+        factor: [f32::INFINITY; LANES],
+        place: [NOWHERE; LANES],
+    };
+
+    /// The squared distance of each from a look.
+    #[inline(always)]
+    fn distances(&self, from: &[f32; C]) -> [f32; LANES] {
+        let mut sum = [0.0; LANES];
+        for (look, from) in self.look.iter().zip(from) {
+            for (sum, look) in sum.iter_mut().zip(look) {
+                let d = look - from;
+                *sum += d * d;
+            }
+        }
+        sum
+    }
+}
+
+/// The mean of proposals, each with the weight that `weigh` gives it.
+#[inline(always)]
+fn mean<const C: usize>(blocks: &[Proposals<C>], weigh: impl Fn(&Proposals<C>) -> [f32; LANES]) -> [f32; C] {
+    let mut total = [0.0f32; LANES];
+    let mut sums = [[0.0f32; LANES]; C];
+    for block in blocks {
+        let weights = weigh(block);
+        for (sum, look) in sums.iter_mut().zip(&block.look) {
+            (0..LANES).for_each(|n| sum[n] += weights[n] * look[n]);
+        }
+        (0..LANES).for_each(|n| total[n] += weights[n]);
+    }
+    let total = total.iter().sum::<f32>();
+    sums.map(|sum| sum.iter().sum::<f32>() / total)
 }
 
 impl Solver<'_> {
     #[inline(always)]
-    fn row(&self, row: usize, line: &mut [Choice]) {
+    fn row<const C: usize>(&self, row: usize, line: &mut [Choice]) {
         let [nx, ny, _] = self.level.lattice.size;
         let (y, z) = (row % ny, row / ny);
-        let most = 3 * self.level.width * self.level.width;
-        let mut proposals = vec![Proposal { look: [0.0; 4], factor: 1.0, place: NOWHERE }; most];
+        let mut blocks = vec![Proposals::<C>::NONE; self.level.grid.most().div_ceil(LANES)];
         for (x, entry) in line.iter_mut().enumerate() {
-            *entry = self.voxel(row * nx + x, [x, y, z], &mut proposals);
+            *entry = self.voxel(row * nx + x, [x, y, z], &mut blocks);
         }
     }
 
+    /// What the neighbourhoods around a voxel propose, and how many do.
     #[inline(always)]
-    fn voxel(&self, voxel: usize, at: [usize; 3], proposals: &mut [Proposal]) -> Choice {
-        let level = self.level;
-        let old = self.state.source[voxel];
-        let own = if old == NOWHERE { 1.0 } else { self.histogram.own_factor(old) };
-        let half = (level.width / 2) as isize;
-        let along = -half..level.width as isize - half;
+    fn gather<const C: usize>(
+        &self,
+        at: [usize; 3],
+        old: u32,
+        own: f32,
+        blocks: &mut [Proposals<C>],
+    ) -> usize {
+        let Level { lattice, grid, atlas, .. } = self.level;
         let mut count = 0;
-        let mut sum = [0.0f32; 4];
-        let mut squares = [0.0f32; 4];
-        let mut total = 0.0f32;
-        for (axis, sheet) in level.directions() {
-            let index = &self.state.index[axis.index()][..];
-            let weights = &self.state.weight[axis.index()][..index.len()];
-            let stride = level.atlas.sheets[sheet].stride as isize;
-            let slice = level.lattice.slice(axis, at);
-            for down in along.clone() {
-                for right in along.clone() {
-                    // The neighbourhood around that neighbour has this voxel at (right, down).
-                    let Some(near) = slice.at(-right, -down) else { continue };
-                    if index[near] == NOWHERE {
-                        continue;
-                    }
-                    let place = index[near].wrapping_add_signed((down * stride + right) as i32);
+        for (axis, sheet) in self.level.directions() {
+            let a = axis.index();
+            let index = &self.state.index[a][..];
+            let weights = &self.state.weight[a][..index.len()];
+            let stride = atlas.sheets[sheet].stride as i32;
+            let [right, down] = grid.phase(at[a], self.pass);
+            let layer = lattice.layer(axis, at);
+            let across = grid.over(axis.right(), right, at[axis.right().index()]);
+            for row in grid.over(axis.down(), down, at[axis.down().index()]) {
+                for column in across {
+                    let near = layer + (row.step + column.step) as usize;
+                    let place = index[near].wrapping_add_signed(row.offset * stride + column.offset);
                     let (factor, inverse) = self.histogram.factor_and_inverse(place);
                     let (factor, inverse) = if place == old { (own, 1.0 / own) } else { (factor, inverse) };
+                    let (block, lane) = (&mut blocks[count / LANES], count % LANES);
+                    let look = &atlas.look[place as usize];
+                    (0..C).for_each(|k| block.look[k][lane] = look[k]);
                     // Equation 4.
-                    let weight = long(weights[near]) * inverse;
-                    let look = level.atlas.look[place as usize];
-                    for k in 0..4 {
-                        let part = weight * look[k];
-                        sum[k] += part;
-                        squares[k] += part * look[k];
-                    }
-                    total += weight;
-                    if let Some(proposal) = proposals.get_mut(count) {
-                        *proposal = Proposal { look, factor, place };
-                        count += 1;
-                    }
+                    block.weight[lane] = long(weights[near]) * row.say * column.say * inverse;
+                    block.factor[lane] = factor;
+                    block.place[lane] = place;
+                    count += 1;
                 }
             }
         }
+        count
+    }
+
+    #[inline(always)]
+    fn voxel<const C: usize>(&self, voxel: usize, at: [usize; 3], blocks: &mut [Proposals<C>]) -> Choice {
+        let old = self.state.source[voxel];
+        let own = if old == NOWHERE { 1.0 } else { self.histogram.own_factor(old) };
+        let count = self.gather(at, old, own, blocks);
         if count == 0 {
             return Choice { place: old, cost: 0.0, before: 0.0 };
         }
-        let mean = sum.map(|s| s / total);
-        let spread = (0..4).map(|k| squares[k] / total - mean[k] * mean[k]).sum::<f32>().max(0.0);
+        let blocks = &mut blocks[..count.div_ceil(LANES)];
+        if let (Some(last), from @ 1..) = (blocks.last_mut(), count % LANES) {
+            last.weight[from..].fill(0.0);
+            last.factor[from..].fill(f32::INFINITY);
+        }
+        let mut middle = mean(blocks, |block| block.weight);
+        let (mut spread, mut total) = ([0.0f32; LANES], [0.0f32; LANES]);
+        for block in &*blocks {
+            let distances = block.distances(&middle);
+            for n in 0..LANES {
+                spread[n] += block.weight[n] * distances[n];
+                total[n] += block.weight[n];
+            }
+        }
+        let spread = spread.iter().sum::<f32>() / total.iter().sum::<f32>();
+        let narrow = 1.0 / (BANDWIDTH * spread + 1e-6);
+        for _ in 0..self.shifts {
+            middle = mean(blocks, |block| {
+                let mut weights = block.distances(&middle);
+                (0..LANES).for_each(|n| weights[n] = block.weight[n] / (weights[n] * narrow + 1.0));
+                weights
+            });
+        }
         // Of equation 1 as much as depends on the colour that is chosen: its distance from the mean, and a part of what
         // no choice can change.
         let base = SPREAD * spread + 1e-4;
         let mut best = Choice { place: NOWHERE, cost: f32::INFINITY, before: f32::INFINITY };
         let mut least = f32::INFINITY;
-        for proposal in &proposals[..count] {
-            let d = [0, 1, 2, 3].map(|k| (proposal.look[k] - mean[k]) * (proposal.look[k] - mean[k]));
-            let cost = (d[0] + d[1]) + (d[2] + d[3]) + base;
-            if proposal.place == old {
-                best.before = cost;
-            }
-            if cost * proposal.factor < least {
-                least = cost * proposal.factor;
-                best.place = proposal.place;
-                best.cost = cost;
+        for block in &*blocks {
+            let distances = block.distances(&middle);
+            for (n, distance) in distances.into_iter().enumerate() {
+                let cost = distance + base;
+                if cost * block.factor[n] < least {
+                    least = cost * block.factor[n];
+                    best.place = block.place[n];
+                    best.cost = cost;
+                }
+                if block.place[n] == old && block.factor[n] < f32::INFINITY {
+                    best.before = cost;
+                }
             }
         }
         best

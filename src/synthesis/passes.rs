@@ -31,7 +31,7 @@ impl Pass<'_> {
 pub(super) fn chunks(lattice: &Lattice, pass: usize) -> impl Iterator<Item = Range<usize>> {
     let [nx, ny, nz] = lattice.size;
     let rows = ny * nz;
-    let voxels = (nx * rows / 256).clamp(128, 8192);
+    let voxels = (nx * rows / 64).clamp(512, 16384);
     let each = voxels.div_ceil(nx);
     let count = rows.div_ceil(each);
     // One after the other, pieces would let structure grow along the axes and meet itself where the volume wraps: so

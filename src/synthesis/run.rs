@@ -6,6 +6,7 @@ use super::SynthesisError;
 use super::atlas::Atlas;
 use super::axes::Axis;
 use super::exemplar::{Exemplars, depth_of, plates};
+use super::grid::Grid;
 use super::histogram::Histogram;
 use super::lattice::Lattice;
 use super::level::{Level, State};
@@ -98,7 +99,7 @@ fn widths(photos: &[Photograph], params: &SynthesisParams) -> Vec<usize> {
     let all = [8, 8, 8, 8, 8, 8, 6, 4];
     match levels {
         1 => vec![8],
-        2 => vec![8, 6],
+        2 => vec![8, 4],
         n => all[8 - n as usize..].to_vec(),
     }
 }
@@ -125,7 +126,7 @@ fn run(
         let depth = widths.len() - 1 - number;
         let plates = &pyramid[depth];
         let lattice = Lattice::new(sizes[depth], tiles);
-        let level = level(exemplars, params, plates, lattice, number, width, seed, exec)?;
+        let level = level(exemplars, params, plates, lattice, (number, depth == 0), width, seed, exec)?;
         exec.check()?;
         let (state, energy, position) = work(&level, before.take(), params, widths.len(), exec)?;
         report.energy.push(energy);
@@ -157,7 +158,7 @@ fn level(
     params: &SynthesisParams,
     plates: &[Plate],
     lattice: Lattice,
-    number: usize,
+    (number, finest): (usize, bool),
     width: usize,
     seed: u64,
     exec: &Exec,
@@ -199,17 +200,20 @@ fn level(
             }
         }
     }
-    Ok(Level { number, atlas, windows, width, lattice, photo_of: exemplars.directions, depth, seed })
+    let photo_of = exemplars.directions;
+    let repetition = Level::repetition(&atlas, &windows, photo_of);
+    let grid = Grid::new(&lattice, width);
+    Ok(Level { number, atlas, windows, width, lattice, grid, finest, repetition, photo_of, depth, seed })
 }
 
-/// Passes of a level: many where structure is found, few where it is refined.
+/// Passes of a level, each over a part of its neighbourhoods: many where structure is found, few where it is refined.
 fn passes(number: usize, levels: usize) -> usize {
     if number == 0 {
-        12
+        48
     } else if number + 1 < levels {
-        5
+        16
     } else {
-        6
+        8
     }
 }
 
@@ -250,17 +254,7 @@ fn work(
     for number in 0..passes {
         pass.number = number;
         let coarsest = level.number == 0;
-        let effort = Effort {
-            drawn: if coarsest {
-                8
-            } else if number == 0 {
-                1
-            } else {
-                0
-            },
-            all_sets: coarsest || number == 0,
-            alternate: !coarsest && number > 0,
-        };
+        let effort = Effort { drawn: if coarsest { 8 } else { 0 }, all_sets: coarsest };
         let searched = search(level, &mut state, &mut index, effort, &mut pass, exec)?;
         optimise(level, &mut state, &mut position, &mut pass, exec)?;
         let mean = searched.energy / searched.looked.max(1) as f64;

@@ -8,20 +8,17 @@ use super::atlas::NOWHERE;
 use super::axes::Axis;
 use super::basis::Descriptor;
 use super::histogram::Histogram;
-use super::level::{Level, State, pick, random, short};
+use super::level::{Level, REPEATED, State, pick, random, short};
 use super::passes::{Pass, chunks};
 use super::windows::SIMILAR;
 use crate::exec::{Cancelled, Exec};
 
 /// Robustness of the energy \[CW 4.1\]: γ.
 const GAMMA: f32 = 0.8;
+/// γ of the weights where a coarser level has settled what lies where: neighbourhoods that fit badly have less say.
+const FINE_GAMMA: f32 = 0.2;
 /// Keeps weights finite: a squared distance for each pixel, small beside the 2 of two random pixels.
 const TINY: f32 = 1e-3;
-
-/// The weight of a neighbourhood at a squared distance, |s − e|^(γ−2).
-fn weight(distance: f32, pixels: usize) -> f32 {
-    (distance / pixels as f32 + TINY).powf(0.5 * (GAMMA - 2.0))
-}
 
 /// What a search did.
 #[derive(Debug, Clone, Copy, Default)]
@@ -41,9 +38,11 @@ struct Match {
     distance: f32,
     /// That of the neighbourhood that the voxel has had.
     before: f32,
+    /// How much harder each of the two is to choose because layers near by have it, too.
+    repeated: [f32; 2],
 }
 
-const UNTOUCHED: Match = Match { place: NOWHERE, distance: 0.0, before: 0.0 };
+const UNTOUCHED: Match = Match { place: NOWHERE, distance: 0.0, before: 0.0, repeated: [1.0; 2] };
 
 /// How hard a pass searches.
 #[derive(Debug, Clone, Copy)]
@@ -53,9 +52,6 @@ pub(super) struct Effort {
     /// Whether the similarity sets of all neighbours' neighbourhoods are looked through, or only those of a voxel's
     /// own.
     pub(super) all_sets: bool,
-    /// Whether only every other voxel is looked at, the others in the next pass: neighbourhoods overlap so much that
-    /// half of them hold a volume in shape.
-    pub(super) alternate: bool,
 }
 
 /// One pass over all voxels. `histograms` has one for each direction, in the order of the axes.
@@ -71,7 +67,8 @@ pub(super) fn search(
     let directions: Vec<(Axis, usize)> = level.directions().collect();
     let mut found: Vec<Match> = Vec::new();
     let mut done = Searched::default();
-    let area = level.width * level.width;
+    let area = (level.width * level.width) as f32;
+    let gamma = if level.number == 0 { GAMMA } else { FINE_GAMMA };
     let arch = pulp::Arch::new();
     for rows in chunks(&level.lattice, pass.number) {
         exec.check()?;
@@ -109,13 +106,15 @@ pub(super) fn search(
                     let histogram = &mut histograms[a];
                     // Others of this piece may have taken to the same neighbourhood meanwhile: a move has to be worth
                     // it as things stand now, else all of them move to and fro together.
-                    let now = m.distance * histogram.factor(m.place);
-                    let moves = old != m.place && now < m.before * histogram.own_factor(old);
+                    let now = m.distance * m.repeated[0] * histogram.factor(m.place);
+                    let then = m.before * m.repeated[1] * histogram.own_factor(old);
+                    let moves = old != m.place && now < then;
                     let distance = if moves { m.distance } else { m.before };
-                    let weight = weight(distance, area);
-                    state.weight[a][start + x] = short(weight);
+                    // The squared distance for each pixel; the weight is |s − e|^(γ−2).
+                    let square = distance / area + TINY;
+                    state.weight[a][start + x] = short(square.powf(0.5 * (gamma - 2.0)));
                     done.looked += 1;
-                    done.energy += f64::from(weight * (distance / area as f32 + TINY));
+                    done.energy += f64::from(square.powf(0.5 * GAMMA));
                     if moves {
                         histogram.remove(old);
                         histogram.add(m.place);
@@ -174,10 +173,13 @@ impl Finder<'_> {
         let [nx, ny, _] = self.level.lattice.size;
         let (y, z) = (row % ny, row / ny);
         for (x, entry) in line.iter_mut().enumerate() {
-            let (voxel, at) = (row * nx + x, [x, y, z]);
-            let turn = !self.effort.alternate || (x + y + z + self.pass).is_multiple_of(2);
-            if turn && self.state.index[self.axis.index()][voxel] != NOWHERE {
-                *entry = self.voxel::<C>(voxel, at, rng);
+            let at = [x, y, z];
+            let [right, down] = [self.axis.right(), self.axis.down()];
+            let phase = self.level.grid.phase(at[self.axis.index()], self.pass);
+            if self.level.grid.is_centre(right, phase[0], at[right.index()])
+                && self.level.grid.is_centre(down, phase[1], at[down.index()])
+            {
+                *entry = self.voxel::<C>(row * nx + x, at, rng);
             }
         }
     }
@@ -213,9 +215,11 @@ impl Finder<'_> {
         let range = level.depths(at);
         let old = self.state.index[self.axis.index()][voxel];
         let before = windows.head_distance(old, &own) + windows.tail_distance(old, &own);
-        let mut best = Match { place: old, distance: before, before };
+        let copied = self.copied_near(voxel, at);
+        let own_repeated = self.repeated(&copied, old);
+        let mut best = Match { place: old, distance: before, before, repeated: [own_repeated; 2] };
         // Equation 5: the distance is multiplied by a factor that grows with use.
-        let mut cost = before * self.histogram.own_factor(old);
+        let mut cost = before * own_repeated * self.histogram.own_factor(old);
         let mut candidates = [NOWHERE; CANDIDATES];
         let count = self.candidates(voxel, at, &mut candidates, rng);
         // First the lower bounds of all costs, without a branch, then the few that may be better.
@@ -234,12 +238,36 @@ impl Finder<'_> {
                 continue;
             }
             let d = head + windows.tail_distance(place, &own);
-            if d * factor < cost {
-                best = Match { place, distance: d, before };
-                cost = d * factor;
+            let repeated = self.repeated(&copied, place);
+            if d * repeated * factor < cost {
+                best = Match { place, distance: d, before, repeated: [repeated, own_repeated] };
+                cost = d * repeated * factor;
             }
         }
         best
+    }
+
+    /// Where the voxels some layers before and behind are copied from; [`NOWHERE`] where there is none.
+    #[inline(always)]
+    fn copied_near(&self, voxel: usize, at: [usize; 3]) -> [u32; 2] {
+        let near = self.level.lattice.beside(self.axis, voxel, at, REPEATED);
+        near.map(|near| near.map_or(NOWHERE, |near| self.state.source[near]))
+    }
+
+    /// By how much it is to be made harder to choose a neighbourhood because layers near by have it, or one no further away
+    /// than they are.
+    #[inline(always)]
+    fn repeated(&self, copied: &[u32; 2], place: u32) -> f32 {
+        let stride = self.level.atlas.sheets[self.sheet].stride;
+        let mut factor = 1.0;
+        for &other in copied {
+            // From the upper left corner of the square of pixels around that one.
+            let from = place.wrapping_sub(other).wrapping_add((REPEATED * (stride + 1)) as u32) as usize;
+            if from < (2 * REPEATED + 1) * stride && from % stride <= 2 * REPEATED {
+                factor *= self.level.repetition[self.axis.index()];
+            }
+        }
+        factor
     }
 
     /// The neighbourhoods to choose from: coherent ones with those that look like them, and random ones. How many.
@@ -295,7 +323,7 @@ impl Finder<'_> {
                 ask(2 * n, near, down * stride + right);
             }
         }
-        for (n, near) in self.level.lattice.beside(self.axis, voxel, at).into_iter().enumerate() {
+        for (n, near) in self.level.lattice.beside(self.axis, voxel, at, 1).into_iter().enumerate() {
             if let Some(near) = near
                 && index[near] != NOWHERE
             {

@@ -35,8 +35,9 @@ fn every_colour_is_a_copy_and_all_pixels_serve() {
     }
     assert!(made.report.position_entropy > 0.97, "{:?}", made.report);
     assert!(made.report.position_coverage > 0.9, "{:?}", made.report);
-    // The energy falls from pass to pass of the coarsest level.
-    let energy = &made.report.energy[0];
+    // The energy falls from pass to pass of the finest level. At the coarsest, windows that serve too often or repeat their
+    // neighbours' are turned away as fast as others come to fit.
+    let energy = &made.report.energy[1];
     assert!(energy[energy.len() - 1] < 0.9 * energy[0], "{energy:?}");
     // Another channel comes from the same pixels.
     let map =
