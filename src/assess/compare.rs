@@ -7,6 +7,7 @@ use super::slices::{self, Block, Blurred, Extruded};
 use super::{AssessError, AssessParams, Assessment, Controls, Directions, LEVELS, PerAxis, simple};
 use crate::exec::Exec;
 use crate::photo::Photograph;
+use crate::synthesis::Axis;
 use crate::volume::SolidTexture;
 
 /// Random numbers of sets that are compared with each other are drawn from different streams.
@@ -55,8 +56,8 @@ pub(super) fn all(
 ) -> Result<Assessment, AssessError> {
     check(texture, params)?;
     let stage = exec.stage("assess", 16);
-    let photos =
-        photos.map(|p| p.map(|p| params.photo_size.map_or_else(|| p.clone(), |side| p.at_most(side))));
+    let size = SolidTexture::size(texture);
+    let photos = Axis::ALL.map(|axis| photos[axis.index()].map(|p| params.working(p, axis, size)));
     let count = params.samples as usize;
 
     // One photograph may serve several directions: it is looked at once.

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use crate::exec::{Cancelled, Exec};
 use crate::photo::Photograph;
 use crate::solve::SolveError;
+use crate::synthesis::{Axis, Size, SynthesisParams, working_photograph};
 use crate::volume::SolidTexture;
 
 pub use simple::position_histogram;
@@ -72,15 +73,34 @@ pub struct AssessParams {
     /// Patches in each set that is compared, 256 to 262144: more make distances more certain, and all of them smaller
     #[arg(long, value_name = "N", default_value_t = Self::default().samples)]
     pub samples: u32,
-    /// The longer side of the photographs in pixels, where the volume was made from smaller ones: as given to
-    /// `lapis synthesise`
-    #[arg(long, value_name = "PIXELS")]
+    /// The longer side of the photographs in pixels, as given to `lapis synthesise`; larger ones are made smaller
+    /// [default: the longest side of the volume]
+    #[arg(long, value_name = "PIXELS", conflicts_with = "varying")]
     pub photo_size: Option<u32>,
+    /// The axis that is depth, as given to `lapis synthesise`: the photographs' depth is made as many pixels long as the
+    /// volume's
+    #[arg(long, value_name = "AXIS")]
+    pub varying: Option<Axis>,
+}
+
+impl AssessParams {
+    /// A photograph of slices perpendicular to `axis`, at the size with which a volume of this size is compared: that which
+    /// it was synthesised with.
+    #[must_use]
+    pub fn working(&self, photo: &Photograph, axis: Axis, volume: [u32; 3]) -> Photograph {
+        let params = SynthesisParams {
+            size: Size(volume),
+            varying: self.varying,
+            photo_size: self.photo_size,
+            ..SynthesisParams::default()
+        };
+        working_photograph(photo, axis, &params)
+    }
 }
 
 impl Default for AssessParams {
     fn default() -> Self {
-        Self { samples: 8192, photo_size: None }
+        Self { samples: 8192, photo_size: None, varying: None }
     }
 }
 

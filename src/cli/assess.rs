@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use lapis::assess::{AssessError, AssessParams, Assessment, assess, position_histogram, read_source};
 use lapis::project::Report;
+use lapis::synthesis::Axis;
 use lapis::volume;
 
 use super::failure::Failure;
@@ -32,7 +33,8 @@ pub(crate) struct Args {
 
 pub(crate) fn main(args: &Args) -> Result<(), Failure> {
     args.shared.run(|session| {
-        let axes = photographs::of_axes(&args.exemplar).map_err(Failure::usage)?;
+        let mut axes = photographs::of_axes(&args.exemplar).map_err(Failure::usage)?;
+        photographs::leave_out_depth(&mut axes, args.params.varying);
         let mut report = Report::default();
         let start = Instant::now();
         let texture = volume::read(&args.volume)?;
@@ -58,10 +60,10 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
                     std::io::Error::other(why),
                 ));
             }
-            let pixels = photos.iter().map(|photo| {
-                let photo =
-                    args.params.photo_size.map_or_else(|| photo.size(), |side| photo.at_most(side).size());
-                photo[0] as usize * photo[1] as usize
+            let pixels = photos.iter().enumerate().filter_map(|(n, photo)| {
+                let axis = Axis::ALL.into_iter().find(|axis| axes[axis.index()] == Some(n))?;
+                let [w, h] = args.params.working(photo, axis, texture.size()).size();
+                Some(w as usize * h as usize)
             });
             let [entropy, coverage] = position_histogram(&source, pixels.sum());
             report.measure("position_entropy", entropy);

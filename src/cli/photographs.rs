@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use lapis::photo::{self, Photograph};
+use lapis::synthesis::Axis;
 
 use super::failure::Failure;
 
@@ -53,6 +54,14 @@ pub(crate) fn of_axes(photos: &[Named]) -> Result<[Option<usize>; 3], String> {
         }
     }
     Ok(axes)
+}
+
+/// Where one photograph serves all directions and depth runs along `varying`, it does not serve the slices across that:
+/// they lie at one depth each.
+pub(crate) fn leave_out_depth(axes: &mut [Option<usize>; 3], varying: Option<Axis>) {
+    if let (Some(axis), [Some(0), Some(0), Some(0)]) = (varying, *axes) {
+        axes[axis.index()] = None;
+    }
 }
 
 /// Reads them all, in their order.

@@ -74,12 +74,7 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         let params = &args.params;
         let force = args.shared.force;
         let mut directions = photographs::of_axes(&args.photos).map_err(Failure::usage)?;
-        if let (Some(axis), 1) = (params.varying, args.photos.len()) {
-            // One photograph of a texture that varies is for the slices that show its depth.
-            if directions == [Some(0); 3] {
-                directions[axis.index()] = None;
-            }
-        }
+        photographs::leave_out_depth(&mut directions, params.varying);
         let output = OutputFile::check(&args.output, force)?;
         let check = |path: &PathBuf| OutputFile::check(path, force);
         let source = args.source.as_ref().map(check).transpose()?;

@@ -85,6 +85,14 @@ pub(super) fn working_size(photo: [u32; 2], depth: Option<usize>, params: &Synth
     if longest <= most { photo } else { photo.map(|n| scaled(n, most, longest)) }
 }
 
+/// A photograph of slices perpendicular to `axis` at the size that a synthesis with these settings works with: what its
+/// volume is to be compared with.
+#[must_use]
+pub fn working_photograph(photo: &Photograph, axis: Axis, params: &SynthesisParams) -> Photograph {
+    let directions = Axis::ALL.map(|a| (a == axis).then_some(0));
+    resized(photo, working_size(photo.size(), depth_of(&directions, params.varying, 0), params))
+}
+
 /// A picture at another size: means of areas where it becomes smaller, else cubic curves through its pixels.
 pub(super) fn resized(picture: &Photograph, size: [u32; 2]) -> Photograph {
     if picture.size() == size {

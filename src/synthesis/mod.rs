@@ -36,7 +36,7 @@ mod tests;
 mod windows;
 
 pub use axes::{Axes, Axis};
-pub use exemplar::{Exemplar, Exemplars, Feature};
+pub use exemplar::{Exemplar, Exemplars, Feature, working_photograph};
 pub use params::{Size, SynthesisParams};
 pub use result::{LevelView, Synthesis, SynthesisReport};
 pub use run::synthesise;

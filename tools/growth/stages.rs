@@ -126,7 +126,7 @@ pub(crate) fn run(size: usize, threads: usize, save: Option<&Path>) -> Result<Va
     stages.part("of it TetGen", made.tetgen_seconds);
     let helper_peak: Option<u64> = fs::read_to_string(&peak_file).ok().and_then(|s| s.parse().ok());
 
-    let unit = scale(size, &tets, &texture, &exec)?;
+    let unit = scale(size, &tets, &texture, &Exec::with_threads(threads)?)?;
     let fields = stages.run("fields", || -> Result<Fields, Failure> {
         let direction = direction_field(&tets, &model::strokes(), None, &DirectionParams::default(), &exec)?;
         let scale = scale_field(&tets, unit, &[], &exec)?;

@@ -159,10 +159,9 @@ fn one(
     let start = Instant::now();
     let synthesis = synthesise(&exemplars, params, 0, &exec, &mut |_| ())?;
     let seconds = start.elapsed().as_secs_f64();
-    // Against the photograph at the size that it was worked with.
-    let worked = &synthesis.photos[0];
-    let of_axis = directions.map(|d| d.map(|_| worked));
-    let found = assess(&synthesis.texture, of_axis, &AssessParams::default(), 0, &exec)?;
+    let of_axis = directions.map(|d| d.map(|_| photo));
+    let params = AssessParams { varying: params.varying, ..AssessParams::default() };
+    let found = assess(&synthesis.texture, of_axis, &params, 0, &exec)?;
     let made = Made { name: name.to_owned(), report: synthesis.report.clone(), found, seconds };
     eprintln!("{}", table::row(&made));
     Ok((made, synthesis))
