@@ -77,7 +77,7 @@ pub(crate) fn write(root: &Path) -> Result<(), Box<dyn Error>> {
         let name = format!("type-{kind}-texture.png");
         keep(&name, &cube::picture(&volume, &exec)?, CUBE_SIDE)?;
         writeln!(page, "<img src=\"images/types/{name}\" height=\"120\" alt=\"type {kind} texture\">")?;
-        writeln!(page, "\n```toml\n{}```", text)?;
+        writeln!(page, "\n```toml\n{text}```")?;
         row(&mut rows, kind, &report)?;
     }
     write!(page, "{MEASURES}{rows}")?;
