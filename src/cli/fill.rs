@@ -14,6 +14,7 @@ use lapis::project::{
 
 use super::failure::Failure;
 use super::options::{Session, Shared};
+use super::outputs;
 use super::values::{self, Polyline};
 
 /// `lapis fill MESH --texture VOLUME --type T … -o MODEL.lapis`
@@ -103,6 +104,7 @@ pub(crate) fn main(args: Args) -> Result<(), Failure> {
             let option = key.replace('_', "-");
             return Err(Failure::usage(format!("--{option} {value}: it must be {range}")));
         }
+        outputs::ending(&output, "a model", "lapis")?;
         let output = OutputFile::check(&output, shared.force)?;
         let MadePart { solid, mut report, .. } =
             fill_part(&part, shared.seed.unwrap_or(0), &Session::mesher(), session.exec())?;

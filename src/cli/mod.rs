@@ -8,6 +8,7 @@ mod fill;
 mod info;
 mod new;
 mod options;
+mod outputs;
 mod photographs;
 mod progress;
 mod render;

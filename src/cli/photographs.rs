@@ -14,6 +14,13 @@ pub(crate) struct Named {
     path: PathBuf,
 }
 
+impl Named {
+    /// Its file.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
 /// `x=bark.png` or `bark.png`.
 pub(crate) fn named(text: &str) -> Result<Named, String> {
     let (axis, path) = match text.split_once('=') {

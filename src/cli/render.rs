@@ -16,6 +16,7 @@ use lapis::view::read_camera;
 
 use super::failure::Failure;
 use super::options::{Session, Shared};
+use super::outputs;
 use super::read_model;
 use super::values;
 
@@ -52,12 +53,7 @@ pub(crate) struct Args {
 
 pub(crate) fn main(args: &Args) -> Result<(), Failure> {
     args.shared.run(|session| {
-        if !args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-            return Err(Failure::usage(format!(
-                "'{}' is no PNG file: pictures are written as .png",
-                args.output.display()
-            )));
-        }
+        outputs::ending(&args.output, "a picture", "png")?;
         if !(args.apart.is_finite() && args.apart >= 0.0) {
             return Err(Failure::usage(format!("--apart {}: it is 0 or more", args.apart)));
         }

@@ -13,7 +13,11 @@ use lapis::volume;
 
 use super::failure::Failure;
 use super::options::Shared;
+use super::outputs;
 use super::photographs::{self, Named};
+
+/// The most levels that a pyramid may have.
+const MAX_LEVELS: u32 = 8;
 
 /// `lapis synthesise [AXIS=]IMAGE … -o VOLUME`
 #[derive(Debug, clap::Args)]
@@ -69,12 +73,35 @@ fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
     path.with_file_name(format!("{stem}{suffix}{extension}"))
 }
 
+/// Refuses outputs of the wrong kind, and such that would destroy a photograph or each other.
+fn check_names(args: &Args) -> Result<(), Failure> {
+    outputs::ending(&args.output, "the volume", "nrrd")?;
+    if let Some(path) = &args.source {
+        outputs::ending(path, "the source map", "npy")?;
+    }
+    let previews: Vec<PathBuf> = match &args.preview {
+        Some(path) => {
+            outputs::ending(path, "a preview", "png")?;
+            (1..=MAX_LEVELS).map(|level| with_suffix(path, &format!("-{level}"))).collect()
+        }
+        None => Vec::new(),
+    };
+    let height = (!args.height.is_empty()).then(|| with_suffix(&args.output, "-height"));
+    let outputs = [&args.output].into_iter().chain(&height).chain(&args.source).chain(&previews);
+    let beside = [&args.feature, &args.mask, &args.target, &args.height].into_iter().flatten();
+    outputs::apart(
+        outputs.map(PathBuf::as_path),
+        beside.map(PathBuf::as_path).chain(args.photos.iter().map(Named::path)),
+    )
+}
+
 pub(crate) fn main(args: &Args) -> Result<(), Failure> {
     args.shared.run(|session| {
         let params = &args.params;
         let force = args.shared.force;
         let mut directions = photographs::of_axes(&args.photos).map_err(Failure::usage)?;
         photographs::leave_out_depth(&mut directions, params.varying);
+        check_names(args)?;
         let output = OutputFile::check(&args.output, force)?;
         let check = |path: &PathBuf| OutputFile::check(path, force);
         let source = args.source.as_ref().map(check).transpose()?;

@@ -9,6 +9,7 @@ use lapis::unroll::{CoreInput, Side, UnrollError, UnrollParams, unroll};
 
 use super::failure::Failure;
 use super::options::Shared;
+use super::outputs;
 use super::photographs::read_one;
 use super::values;
 
@@ -59,6 +60,14 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         if args.params.side != Side::Both && !args.lengthwise {
             return Err(Failure::usage("--side needs --lengthwise: a cross cut has one way around"));
         }
+        for path in std::iter::once(&args.output).chain(&args.overlay) {
+            outputs::ending(path, "a picture", "png")?;
+        }
+        let inputs = std::iter::once(&args.photo).chain(&args.mask).chain(&args.core_mask);
+        outputs::apart(
+            std::iter::once(&args.output).chain(&args.overlay).map(PathBuf::as_path),
+            inputs.map(PathBuf::as_path),
+        )?;
         let output = OutputFile::check(&args.output, args.shared.force)?;
         let overlay =
             args.overlay.as_deref().map(|path| OutputFile::check(path, args.shared.force)).transpose()?;

@@ -72,8 +72,10 @@ pub enum DirectionError {
         /// The stroke, from 0.
         stroke: usize,
     },
-    /// The stiffness is no positive number.
-    #[error("the stiffness {0} is not a positive number")]
+    /// The stiffness is out of range.
+    #[error(
+        "the stiffness is {0}; smooth.stiffness (--direction-stiffness) must be from 0.000001 to 1000000"
+    )]
     Stiffness(f64),
     /// The depth field belongs to another mesh.
     #[error("the depth field has {depth} values, but the mesh has {vertices} vertices")]
@@ -176,7 +178,7 @@ fn check(
     if strokes.is_empty() {
         return Err(DirectionError::NoStrokes);
     }
-    if !(params.stiffness > 0.0 && params.stiffness.is_finite()) {
+    if !(1e-6..=1e6).contains(&params.stiffness) {
         return Err(DirectionError::Stiffness(params.stiffness));
     }
     for (stroke, s) in strokes.iter().enumerate() {

@@ -95,7 +95,7 @@ pub enum SynthesisError {
     },
     /// A photograph that is too small, or too transparent, to be compared with.
     #[error(
-        "photograph {} has {}×{} pixels here and only {windows} whole neighbourhoods of {width}×{width} opaque ones; at least {needed} are needed: give a larger one, or one with less that is transparent",
+        "photograph {} has {}×{} pixels here and only {windows} whole neighbourhoods of {width}×{width} opaque ones; at least {needed} are needed: give a larger photograph, or one with less that is transparent, ask for a larger volume or photo size, or for fewer levels",
         .photo + 1, .size[0], .size[1]
     )]
     PhotoTooSmall {

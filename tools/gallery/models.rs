@@ -46,14 +46,15 @@ pub(crate) const MODELS: [Model; 4] = [
         title: "Watermelon",
         text: "Rind, flesh and seeds depend on the depth alone; in the two other directions the texture may turn as \
                it likes, and each copy is turned at random. Look at the layers, which follow the rind in every \
-               section, and at the seeds, which point to the middle.",
+               section, and at the seeds, which point to the middle; where two copies meet, some are half faded.",
         paper: Some(Paper { tetrahedra: 2717, fill_s: 25.0, cut_ms: 63.0, megabytes: 9.0 }),
     },
     Model {
         name: "tube",
         title: "Tube",
         text: "Fibres that follow a bent tube: strokes along it set the direction, and about that direction each copy \
-               of the texture is turned at random. Look at the same fibres cut across and cut along.",
+               of the texture is turned at random. Look at the same fibres cut across and cut along. Outside, copies \
+               end bluntly against each other: bundles of fibres break off in rectangles.",
         paper: Some(Paper { tetrahedra: 1089, fill_s: 18.0, cut_ms: 31.0, megabytes: 2.7 }),
     },
 ];

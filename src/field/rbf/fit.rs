@@ -63,10 +63,10 @@ pub enum RbfError {
         values: [f64; 2],
     },
     /// Fewer centres than a linear function needs.
-    #[error("at most {0} centres are allowed; a field needs at least 4")]
+    #[error("fit.max_centres (--depth-centres) is {0}; a field needs at least 4")]
     MaxCentres(usize),
     /// The tolerance is no positive number.
-    #[error("the tolerance {0} is not a positive number")]
+    #[error("fit.tolerance (--depth-tolerance) is {0}; it must be a positive number")]
     Tolerance(f64),
     /// The dense system could not be solved.
     #[error(transparent)]
