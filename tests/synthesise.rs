@@ -71,6 +71,11 @@ fn what_cannot_be() {
         ("synthesise stone.png --mask other.png -o v.nrrd", 1, &["mask", "24×30", "32×28"]),
         ("synthesise tiny.png -o v.nrrd", 1, &["6×6"]),
         ("synthesise gone.png -o v.nrrd", 1, &["gone.png"]),
+        // Names that would lose something, also with --force.
+        ("synthesise stone.png --size 16 -o v.png", 2, &["v.png", ".nrrd"]),
+        ("synthesise stone.png --size 16 -o stone.png --force", 2, &["stone.png", ".nrrd"]),
+        ("synthesise stone.png --size 16 -o v.nrrd --source v.nrrd", 2, &["v.nrrd", ".npy"]),
+        ("synthesise stone.png --size 16 -o v.nrrd --preview stone.nrrd", 2, &["stone.nrrd", ".png"]),
         ("synthesise y=stone.png --varying y --size 16 -o v.nrrd", 1, &["depth"]),
         ("synthesise stone.png --size 4000 -o v.nrrd", 1, &["4000×4000×4000"]),
     ] {

@@ -100,6 +100,10 @@ fn threads_change_no_byte() {
     bench.ok("unroll slice.png -o two.png --threads 2");
     assert!(bench.read("one.png") == bench.read("two.png"));
     bench.run("unroll slice.png -o one.png").refused(1, &["one.png exists already"]);
+    // Names that would lose something, also with --force.
+    bench.run("unroll slice.png -o new.png --overlay ./new.png").refused(2, &["two outputs", "new.png"]);
+    bench.run("unroll slice.png -o slice.png --force").refused(2, &["slice.png is an input"]);
+    bench.run("unroll slice.png -o flat.jpg").refused(2, &["flat.jpg", ".png"]);
 }
 
 #[test]
