@@ -1,4 +1,4 @@
-//! Solid textures of twelve photographs: a contact sheet of each, and tables of measures.
+//! Solid textures of twelve photographs and two more that vary with depth: a contact sheet of each, and tables of measures.
 //!
 //!     cargo run --release --example textures -- FOLDER OUT [--size N] [NAME…]
 //!
@@ -38,7 +38,7 @@ const ALL: [bool; 3] = [true; 3];
 /// Upright in the photograph: y is down, and what lies across it is left to itself.
 const UPRIGHT: [bool; 3] = [true, false, true];
 
-const SOURCES: [Source; 12] = [
+const SOURCES: [Source; 14] = [
     Source { name: "brick", file: "acg_brick_Bricks004.png", axes: UPRIGHT, varying: false },
     Source { name: "stone-wall", file: "acg_stonewall_Rocks004.png", axes: ALL, varying: false },
     Source { name: "pebbles", file: "acg_pebbles_Rocks022.png", axes: ALL, varying: false },
@@ -53,6 +53,13 @@ const SOURCES: [Source; 12] = [
     Source {
         name: "travertine",
         file: "acg_travertine_layered_Travertine001.png",
+        axes: UPRIGHT,
+        varying: true,
+    },
+    Source { name: "boards", file: "acg_wood_Wood022.png", axes: UPRIGHT, varying: true },
+    Source {
+        name: "pericarp",
+        file: "morpholibj_plantcells_tomato_pericarp.png",
         axes: UPRIGHT,
         varying: true,
     },
