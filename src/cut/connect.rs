@@ -63,11 +63,9 @@ impl Labels {
         own
     }
 
-    fn join(&mut self, a: u32, b: u32) -> u32 {
+    fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.smallest(a), self.smallest(b));
-        let least = a.min(b);
-        self.joined[a.max(b) as usize] = least;
-        least
+        self.joined[a.max(b) as usize] = a.min(b);
     }
 
     fn smallest(&mut self, mut label: u32) -> u32 {

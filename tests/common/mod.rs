@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 
@@ -199,4 +200,15 @@ pub(crate) fn tets(n: usize) -> (String, String) {
         }
     }
     (nodes, cells)
+}
+
+/// Runs commands that must be refused, each within a time, and without any new file.
+pub(crate) fn refused(bench: &Bench, cases: &[(&str, i32, &[&str])]) {
+    let before = bench.names();
+    for (arguments, code, words) in cases {
+        let start = Instant::now();
+        bench.run(arguments).refused(*code, words);
+        assert!(start.elapsed() < Duration::from_secs(20), "lapis {arguments} took {:?}", start.elapsed());
+        assert_eq!(bench.names(), before, "lapis {arguments} left something behind");
+    }
 }
