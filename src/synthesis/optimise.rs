@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::atlas::NOWHERE;
 use super::histogram::Histogram;
 use super::level::{Level, State, long};
-use super::passes::{Pass, chunks};
+use super::passes::{Pass, pieces};
 use crate::exec::{Cancelled, Exec};
 
 /// How much of the proposals' variance is added to each one's distance from their mean: the histogram chooses between
@@ -31,18 +31,17 @@ pub(super) fn optimise(
     let mut found: Vec<Choice> = Vec::new();
     let arch = pulp::Arch::new();
     let shifts = if level.finest { SHIFTS } else { 0 };
-    for rows in chunks(&level.lattice, pass.number) {
+    for rows in pieces(&level.lattice, pass.number) {
         exec.check()?;
         found.clear();
         found.resize(rows.len() * nx, Choice { place: NOWHERE, cost: 0.0, before: 0.0 });
-        let first = rows.start;
         let solver = Solver { level, state, histogram, pass: pass.number, shifts };
         found.par_chunks_mut(nx).enumerate().for_each(|(n, line)| {
-            arch.dispatch(Line { solver: &solver, row: first + n, line });
+            arch.dispatch(Line { solver: &solver, row: rows[n], line });
         });
-        let start = first * nx;
         for (n, choice) in found.iter().enumerate() {
-            let old = state.source[start + n];
+            let voxel = rows[n / nx] * nx + n % nx;
+            let old = state.source[voxel];
             if old == choice.place {
                 continue;
             }
@@ -54,7 +53,7 @@ pub(super) fn optimise(
                 histogram.remove(old);
             }
             histogram.add(choice.place);
-            state.source[start + n] = choice.place;
+            state.source[voxel] = choice.place;
         }
         pass.advance(rows.len());
     }

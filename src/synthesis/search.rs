@@ -9,7 +9,7 @@ use super::axes::Axis;
 use super::basis::Descriptor;
 use super::histogram::Histogram;
 use super::level::{Level, REPEATED, State, pick, random, short};
-use super::passes::{Pass, chunks};
+use super::passes::{Pass, pieces};
 use super::windows::SIMILAR;
 use crate::exec::{Cancelled, Exec};
 
@@ -70,16 +70,15 @@ pub(super) fn search(
     let area = (level.width * level.width) as f32;
     let gamma = if level.number == 0 { GAMMA } else { FINE_GAMMA };
     let arch = pulp::Arch::new();
-    for rows in chunks(&level.lattice, pass.number) {
+    for rows in pieces(&level.lattice, pass.number) {
         exec.check()?;
         let wide = directions.len() * nx;
         found.clear();
         found.resize(rows.len() * wide, UNTOUCHED);
-        let first = rows.start;
         let seen: &State = state;
         let hist: &[Histogram; 3] = histograms;
         found.par_chunks_mut(wide).enumerate().for_each(|(n, line)| {
-            let row = first + n;
+            let row = rows[n];
             let mut rng = random(level.seed, level.number, 16 + pass.number as u64, row);
             for (&(axis, sheet), line) in directions.iter().zip(line.chunks_exact_mut(nx)) {
                 let finder = Finder {
@@ -97,7 +96,7 @@ pub(super) fn search(
         for (n, line) in found.chunks_exact(wide).enumerate() {
             for ((axis, _), line) in directions.iter().zip(line.chunks_exact(nx)) {
                 let a = axis.index();
-                let start = (first + n) * nx;
+                let start = rows[n] * nx;
                 for (x, m) in line.iter().enumerate() {
                     if m.place == NOWHERE {
                         continue;

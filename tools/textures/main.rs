@@ -8,6 +8,7 @@
 
 #[path = "../gallery/cube.rs"]
 mod cube;
+mod end_grain;
 mod sheet;
 mod table;
 
@@ -32,6 +33,8 @@ struct Source {
     file: &'static str,
     axes: [bool; 3],
     varying: bool,
+    /// Pixels that are soiled on each side, where the end of the board is painted as the view that is missing.
+    end: Option<u32>,
 }
 
 const ALL: [bool; 3] = [true; 3];
@@ -39,29 +42,37 @@ const ALL: [bool; 3] = [true; 3];
 const UPRIGHT: [bool; 3] = [true, false, true];
 
 const SOURCES: [Source; 14] = [
-    Source { name: "brick", file: "acg_brick_Bricks004.png", axes: UPRIGHT, varying: false },
-    Source { name: "stone-wall", file: "acg_stonewall_Rocks004.png", axes: ALL, varying: false },
-    Source { name: "pebbles", file: "acg_pebbles_Rocks022.png", axes: ALL, varying: false },
-    Source { name: "marble", file: "acg_marble_Marble012.png", axes: ALL, varying: false },
-    Source { name: "granite", file: "acg_granite_Granite001A.png", axes: ALL, varying: false },
-    Source { name: "wood", file: "acg_wood_Wood003.png", axes: UPRIGHT, varying: false },
-    Source { name: "rust", file: "acg_rust_Rust005.png", axes: ALL, varying: false },
-    Source { name: "cork", file: "acg_cork_Cork003.png", axes: ALL, varying: false },
-    Source { name: "cells", file: "morpholibj_plantcells_apple_parenchyma.png", axes: ALL, varying: false },
-    Source { name: "gravel", file: "acg_gravel_Gravel022.png", axes: ALL, varying: false },
-    Source { name: "terrazzo", file: "acg_terrazzo_Terrazzo006.png", axes: ALL, varying: false },
+    Source { name: "brick", file: "acg_brick_Bricks004.png", axes: UPRIGHT, varying: false, end: None },
+    Source { name: "stone-wall", file: "acg_stonewall_Rocks004.png", axes: ALL, varying: false, end: None },
+    Source { name: "pebbles", file: "acg_pebbles_Rocks022.png", axes: ALL, varying: false, end: None },
+    Source { name: "marble", file: "acg_marble_Marble012.png", axes: ALL, varying: false, end: None },
+    Source { name: "granite", file: "acg_granite_Granite001A.png", axes: ALL, varying: false, end: None },
+    Source { name: "wood", file: "acg_wood_Wood003.png", axes: UPRIGHT, varying: false, end: Some(6) },
+    Source { name: "rust", file: "acg_rust_Rust005.png", axes: ALL, varying: false, end: None },
+    Source { name: "cork", file: "acg_cork_Cork003.png", axes: ALL, varying: false, end: None },
+    Source {
+        name: "cells",
+        file: "morpholibj_plantcells_apple_parenchyma.png",
+        axes: ALL,
+        varying: false,
+        end: None,
+    },
+    Source { name: "gravel", file: "acg_gravel_Gravel022.png", axes: ALL, varying: false, end: None },
+    Source { name: "terrazzo", file: "acg_terrazzo_Terrazzo006.png", axes: ALL, varying: false, end: None },
     Source {
         name: "travertine",
         file: "acg_travertine_layered_Travertine001.png",
         axes: UPRIGHT,
         varying: true,
+        end: None,
     },
-    Source { name: "boards", file: "acg_wood_Wood022.png", axes: UPRIGHT, varying: true },
+    Source { name: "boards", file: "acg_wood_Wood022.png", axes: UPRIGHT, varying: true, end: None },
     Source {
         name: "pericarp",
         file: "morpholibj_plantcells_tomato_pericarp.png",
         axes: UPRIGHT,
         varying: true,
+        end: None,
     },
 ];
 
@@ -123,8 +134,13 @@ fn make(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let wanted = |name: &str| names.is_empty() || names.iter().any(|n| n == name);
     let mut made = Vec::new();
     for source in SOURCES.iter().filter(|s| wanted(s.name)) {
-        let photo = photo::read(&folder.join(source.file))?;
-        let (one, synthesis) = one(source.name, source, &photo, &params(source))?;
+        let mut photo = photo::read(&folder.join(source.file))?;
+        let mut end = None;
+        if let Some(rim) = source.end {
+            photo = end_grain::trimmed(&photo, rim)?;
+            end = Some(end_grain::end_grain(&photo)?);
+        }
+        let (one, synthesis) = one(source.name, source, &photo, end.as_ref(), &params(source))?;
         let file = out.join(format!("{}.nrrd", source.name));
         write_whole(&file, &volume::to_nrrd(&synthesis.texture))?;
         sheet(&synthesis, &file, &out.join(format!("{}.jpg", source.name)))?;
@@ -141,7 +157,7 @@ fn make(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         ];
         for (name, index_histogram, position_histogram) in all {
             let params = SynthesisParams { index_histogram, position_histogram, ..params(source) };
-            let (one, synthesis) = one(name, source, &photo, &params)?;
+            let (one, synthesis) = one(name, source, &photo, None, &params)?;
             let file = out.join("ablated.nrrd");
             write_whole(&file, &volume::to_nrrd(&synthesis.texture))?;
             sheet(&synthesis, &file, &out.join(format!("ablated-{}.jpg", name.replace(' ', "-"))))?;
@@ -158,15 +174,17 @@ fn one(
     name: &str,
     source: &Source,
     photo: &Photograph,
+    end: Option<&Photograph>,
     params: &SynthesisParams,
 ) -> Result<(Made, Synthesis), Box<dyn Error>> {
     let exec = Exec::default();
-    let directions = source.axes.map(|given| given.then_some(0));
-    let exemplars = Exemplars { photos: vec![Exemplar::new(photo)], directions };
+    let photos: Vec<&Photograph> = [photo].into_iter().chain(end).collect();
+    let directions = source.axes.map(|given| if given { Some(0) } else { end.map(|_| 1) });
+    let exemplars = Exemplars { photos: photos.iter().map(|p| Exemplar::new(p)).collect(), directions };
     let start = Instant::now();
     let synthesis = synthesise(&exemplars, params, 0, &exec, &mut |_| ())?;
     let seconds = start.elapsed().as_secs_f64();
-    let of_axis = directions.map(|d| d.map(|_| photo));
+    let of_axis = directions.map(|d| d.map(|n| photos[n]));
     let params = AssessParams { varying: params.varying, ..AssessParams::default() };
     let found = assess(&synthesis.texture, of_axis, &params, 0, &exec)?;
     let made = Made { name: name.to_owned(), report: synthesis.report.clone(), found, seconds };
