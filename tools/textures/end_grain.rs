@@ -5,8 +5,6 @@ use std::error::Error;
 
 use glam::DVec2;
 use lapis::photo::Photograph;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// The middle of a photograph without its soiled rim.
 pub(crate) fn trimmed(photo: &Photograph, rim: u32) -> Result<Photograph, Box<dyn Error>> {
@@ -15,11 +13,13 @@ pub(crate) fn trimmed(photo: &Photograph, rim: u32) -> Result<Photograph, Box<dy
     Ok(Photograph::new([w, h], pixels)?)
 }
 
-/// The end of a board whose flank is seen with its grain upright: year rings around a heart beyond the picture. A pixel is a
-/// random one of the flank's column that lies as far out as it does, since a fibre is cut there.
+/// How much shorter fibres are across the board than along it.
+const SHORTER: f64 = 5.0;
+
+/// The end of a board whose flank is seen with its grain upright: year rings around a heart beyond the picture. A pixel is one
+/// of the flank's column that lies as far out as it does.
 pub(crate) fn end_grain(flank: &Photograph) -> Result<Photograph, Box<dyn Error>> {
     let [w, h] = flank.size();
-    let mut dice = ChaCha8Rng::seed_from_u64(1);
     let side = f64::from(w);
     let heart = DVec2::new(0.3, -0.9) * side;
     let mut pixels = Vec::new();
@@ -28,11 +28,12 @@ pub(crate) fn end_grain(flank: &Photograph) -> Result<Photograph, Box<dyn Error>
         let angle = from.y.atan2(from.x);
         // No ring is round.
         let waver = 0.012 * (9.0 * angle + 1.0).sin() + 0.006 * (23.0 * angle).sin();
-        let out = (from.length() / side + waver).rem_euclid(2.0);
-        // There and back: the rings have no step in them.
-        let across = (1.0 - (out - 1.0).abs()) * (side - 1.0);
-        let row = (u64::from(dice.next_u32()) * u64::from(h)) >> 32;
-        pixels.push(flank.pixel(across.round() as u32, row as u32));
+        let out = from.length() / side + waver;
+        // The rings have no step in them.
+        let there_and_back =
+            |t: f64, n: u32| ((1.0 - (t.rem_euclid(2.0) - 1.0).abs()) * f64::from(n - 1)).round();
+        let along = SHORTER * angle * from.length() / f64::from(h);
+        pixels.push(flank.pixel(there_and_back(out, w) as u32, there_and_back(along, h) as u32));
     }
     Ok(Photograph::new([w; 2], pixels)?)
 }

@@ -4,6 +4,7 @@ use glam::{DVec3, UVec3};
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageError};
 use lapis::colour::encode;
+use lapis::photo::Photograph;
 use lapis::render::Picture;
 use lapis::synthesis::{Axis, Synthesis};
 
@@ -13,10 +14,9 @@ const GAP: u32 = 6;
 /// What a JPEG keeps, in percent.
 const QUALITY: u8 = 88;
 
-/// The photograph, the middle slices across x, y and z, an oblique slice, and the cube.
+/// The photographs, the middle slices across x, y and z, an oblique slice, and the cube.
 pub(crate) fn jpeg(synthesis: &Synthesis, cube: &Picture) -> Result<Vec<u8>, ImageError> {
     let texture = &synthesis.texture;
-    let photo = &synthesis.photos[0];
     let size = UVec3::from(texture.size());
     let at = |axis: Axis, u: f64, v: f64| {
         let mut p = size.as_dvec3() * 0.5;
@@ -25,7 +25,7 @@ pub(crate) fn jpeg(synthesis: &Synthesis, cube: &Picture) -> Result<Vec<u8>, Ima
         let p = p.as_uvec3().min(size - 1);
         texture.voxel(p.x, p.y, p.z)
     };
-    let photograph = |u: f64, v: f64| {
+    let photograph = |photo: &Photograph, u: f64, v: f64| {
         let [w, h] = photo.size();
         // As many pixels as a slice has voxels, where the photograph has them.
         let pixel = |t: f64, n: u32| ((t * f64::from(n)) as u32).min(n - 1);
@@ -43,15 +43,16 @@ pub(crate) fn jpeg(synthesis: &Synthesis, cube: &Picture) -> Result<Vec<u8>, Ima
         let pixel = |t: f64, n: u32| ((t * f64::from(n)) as u32).min(n - 1);
         cube.pixel(pixel(u, cube.width), pixel(v, cube.height))
     };
-    let pictures: [&dyn Fn(f64, f64) -> [u8; 4]; 6] = [
-        &photograph,
-        &|u, v| at(Axis::X, u, v),
-        &|u, v| at(Axis::Y, u, v),
-        &|u, v| at(Axis::Z, u, v),
-        &oblique,
-        &small,
-    ];
-    let width = 6 * SIDE + 5 * GAP;
+    let mut pictures: Vec<Box<dyn Fn(f64, f64) -> [u8; 4] + '_>> = Vec::new();
+    for photo in &synthesis.photos {
+        pictures.push(Box::new(move |u, v| photograph(photo, u, v)));
+    }
+    for axis in Axis::ALL {
+        pictures.push(Box::new(move |u, v| at(axis, u, v)));
+    }
+    pictures.push(Box::new(oblique));
+    pictures.push(Box::new(small));
+    let width = pictures.len() as u32 * (SIDE + GAP) - GAP;
     let mut rgb = vec![[255; 3]; (width * SIDE) as usize];
     for (n, picture) in pictures.iter().enumerate() {
         for y in 0..SIDE {
