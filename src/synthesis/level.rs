@@ -32,7 +32,17 @@ pub(super) struct Level {
     pub(super) photo_of: [Option<usize>; 3],
     /// The axis that is depth, and how it binds, where the texture varies.
     pub(super) depth: Option<(Axis, Depth)>,
+    /// The voxels that are to be found, where some are given.
+    pub(super) free: Option<Free>,
     pub(super) seed: u64,
+}
+
+/// The voxels that are to be found, where others are given.
+pub(super) struct Free {
+    /// For each voxel whether it is.
+    pub(super) voxels: Vec<bool>,
+    /// For slices perpendicular to each axis, whether a voxel's neighbourhood holds one that is.
+    pub(super) windows: [Vec<bool>; 3],
 }
 
 /// What is known of each voxel.
@@ -128,7 +138,7 @@ impl Level {
     pub(super) fn index_histogram(&self, axis: Axis, sheet: usize, matched: bool) -> Histogram {
         let windows = &self.windows[sheet];
         let at = |n: usize| self.lattice.position(n);
-        let fits = |n: &usize| self.lattice.window_fits(axis, self.width, at(*n));
+        let fits = |n: &usize| self.lattice.window_fits(axis, self.width, at(*n)) && self.is_open(axis, *n);
         let entries = (0..self.lattice.voxels()).into_par_iter().filter(fits).count();
         let stride = self.atlas.sheets[sheet].stride;
         let offsets = super::windows::offsets(self.width, stride);
@@ -142,12 +152,33 @@ impl Level {
         histogram
     }
 
-    /// The empty position histogram.
+    /// The empty position histogram. Where some voxels are given, the others copy only from pixels that are wanted.
     pub(super) fn position_histogram(&self, matched: bool) -> Histogram {
         let mut histogram = Histogram::new(self.atlas.usable.len());
-        let shares = || self.atlas.places().map(|p| (p, self.atlas.wanted[p as usize]));
-        histogram.want(shares().collect::<Vec<_>>().into_iter(), self.lattice.voxels(), matched);
+        let places: Vec<(u32, f32)> = self.places().map(|p| (p, self.atlas.wanted[p as usize])).collect();
+        let entries = match &self.free {
+            Some(free) => free.voxels.iter().filter(|f| **f).count(),
+            None => self.lattice.voxels(),
+        };
+        histogram.want(places.into_iter(), entries, matched);
         histogram
+    }
+
+    /// The places that voxels copy from.
+    pub(super) fn places(&self) -> impl Iterator<Item = u32> + '_ {
+        self.atlas.places().filter(|&p| self.free.is_none() || self.atlas.wanted[p as usize] > 0.0)
+    }
+
+    /// Whether a voxel's neighbourhood holds voxels that are to be found.
+    #[inline(always)]
+    pub(super) fn is_open(&self, axis: Axis, voxel: usize) -> bool {
+        self.free.as_ref().is_none_or(|free| free.windows[axis.index()][voxel])
+    }
+
+    /// Whether a voxel is to be found.
+    #[inline(always)]
+    pub(super) fn is_free(&self, voxel: usize) -> bool {
+        self.free.as_ref().is_none_or(|free| free.voxels[voxel])
     }
 
     /// A state in which every voxel is a random pixel, and every neighbourhood a random one.
@@ -185,7 +216,7 @@ impl Level {
 
     /// A list with an entry for each voxel: what `find` says where the voxel's neighbourhood fits into the volume,
     /// else [`NOWHERE`].
-    fn sites(&self, axis: Axis, find: impl Fn([usize; 3], &mut ChaCha8Rng) -> u32 + Sync) -> Vec<u32> {
+    pub(super) fn sites(&self, axis: Axis, find: impl Fn([usize; 3], &mut ChaCha8Rng) -> u32 + Sync) -> Vec<u32> {
         let nx = self.lattice.size[0];
         let mut list = vec![NOWHERE; self.lattice.voxels()];
         list.par_chunks_mut(nx).enumerate().for_each(|(row, line)| {

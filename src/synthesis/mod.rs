@@ -12,12 +12,14 @@
 //! | `atlas`, `windows`, `basis`, `similar` | a level's pixels and neighbourhoods, described and compared |
 //! | `lattice`, `grid`, `level` | a level's voxels, which neighbourhoods a pass looks at, what is known of them |
 //! | `histogram`, `passes`, `search`, `optimise` | the two phases, in fixed pieces |
+//! | `run`, `fill_in` | from coarse to fine; voxels between others that are given |
 
 mod atlas;
 mod axes;
 mod basis;
 mod distance;
 mod exemplar;
+mod fill_in;
 mod grid;
 mod histogram;
 mod lattice;
@@ -37,6 +39,7 @@ mod windows;
 
 pub use axes::{Axes, Axis};
 pub use exemplar::{Exemplar, Exemplars, Feature, working_photograph};
+pub use fill_in::fill_in;
 pub use params::{Size, SynthesisParams};
 pub use result::{LevelView, Synthesis, SynthesisReport};
 pub use run::synthesise;

@@ -42,7 +42,7 @@ pub(super) fn optimise(
         for (n, choice) in found.iter().enumerate() {
             let voxel = rows[n / nx] * nx + n % nx;
             let old = state.source[voxel];
-            if old == choice.place {
+            if old == choice.place || choice.place == NOWHERE {
                 continue;
             }
             if old != NOWHERE {
@@ -202,6 +202,9 @@ impl Solver<'_> {
     #[inline(always)]
     fn voxel<const C: usize>(&self, voxel: usize, at: [usize; 3], blocks: &mut [Proposals<C>]) -> Choice {
         let old = self.state.source[voxel];
+        if !self.level.is_free(voxel) {
+            return Choice { place: old, cost: 0.0, before: 0.0 };
+        }
         let own = if old == NOWHERE { 1.0 } else { self.histogram.own_factor(old) };
         let count = self.gather(at, old, own, blocks);
         if count == 0 {

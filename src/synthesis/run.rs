@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::SynthesisError;
-use super::atlas::Atlas;
+use super::atlas::{Atlas, NOWHERE};
 use super::axes::Axis;
 use super::exemplar::{Exemplars, depth_of, plates};
 use super::grid::Grid;
@@ -48,7 +48,7 @@ pub fn synthesise(
 }
 
 /// What can be said before any work.
-fn check(exemplars: &Exemplars<'_>, params: &SynthesisParams) -> Result<(), SynthesisError> {
+pub(super) fn check(exemplars: &Exemplars<'_>, params: &SynthesisParams) -> Result<(), SynthesisError> {
     let photos = exemplars.photos.len();
     if photos == 0 {
         return Err(SynthesisError::NoPhotograph);
@@ -153,7 +153,7 @@ fn run(
 
 #[allow(clippy::too_many_arguments)] // all that a level is made of
 /// Lays out a level, and sees that there is enough to copy from.
-fn level(
+pub(super) fn level(
     exemplars: &Exemplars<'_>,
     params: &SynthesisParams,
     plates: &[Plate],
@@ -203,7 +203,8 @@ fn level(
     let photo_of = exemplars.directions;
     let repetition = Level::repetition(&atlas, &windows, photo_of);
     let grid = Grid::new(&lattice, width);
-    Ok(Level { number, atlas, windows, width, lattice, grid, finest, repetition, photo_of, depth, seed })
+    let free = None;
+    Ok(Level { number, atlas, windows, width, lattice, grid, finest, repetition, photo_of, depth, free, seed })
 }
 
 /// Passes of a level, each over a part of its neighbourhoods: many where structure is found, few where it is refined.
@@ -225,30 +226,43 @@ fn work(
     levels: usize,
     exec: &Exec,
 ) -> Result<(State, Vec<f64>, Histogram), SynthesisError> {
+    let state = match &before {
+        None => level.random_state(),
+        Some((coarse, state)) => level.refined_state(coarse, state),
+    };
+    let unsettled = before.is_some();
+    drop(before);
+    let name = format!("synthesis, level {} of {levels}", level.number + 1);
+    improve(level, (state, unsettled), (passes(level.number, levels), &name), params, exec)
+}
+
+/// Goes over a level in passes. `unsettled`: the voxels are still to be found from their neighbourhoods.
+pub(super) fn improve(
+    level: &Level,
+    (mut state, unsettled): (State, bool),
+    (passes, name): (usize, &str),
+    params: &SynthesisParams,
+    exec: &Exec,
+) -> Result<(State, Vec<f64>, Histogram), SynthesisError> {
     let mut index: [Histogram; 3] = Axis::ALL.map(|axis| match level.photo_of[axis.index()] {
         Some(sheet) => level.index_histogram(axis, sheet, params.index_histogram),
         None => Histogram::new(0),
     });
     let mut position = level.position_histogram(params.position_histogram);
-    let passes = passes(level.number, levels);
     let [_, ny, nz] = level.lattice.size;
-    let phases = 2 * passes + usize::from(before.is_some());
-    let name = format!("synthesis, level {} of {levels}", level.number + 1);
-    let stage = exec.stage(&name, (phases * ny * nz) as u64);
+    let phases = 2 * passes + usize::from(unsettled);
+    let stage = exec.stage(name, (phases * ny * nz) as u64);
     let mut pass = Pass { number: 0, stage: &stage, rows: 0 };
-    let mut state = match &before {
-        None => level.random_state(),
-        Some((coarse, state)) => level.refined_state(coarse, state),
-    };
     for (axis, _) in level.directions() {
         let a = axis.index();
-        state.index[a].iter().filter(|&&p| p != super::atlas::NOWHERE).for_each(|&p| index[a].add(p));
+        let open = state.index[a].iter().enumerate().filter(|&(n, &p)| p != NOWHERE && level.is_open(axis, n));
+        open.for_each(|(_, &p)| index[a].add(p));
     }
-    if before.is_some() {
-        drop(before);
+    if unsettled {
         optimise(level, &mut state, &mut position, &mut pass, exec)?;
     } else {
-        state.source.iter().for_each(|&p| position.add(p));
+        let free = state.source.iter().enumerate().filter(|&(n, _)| level.is_free(n));
+        free.for_each(|(_, &p)| position.add(p));
     }
     let mut energy = Vec::with_capacity(passes);
     for number in 0..passes {
@@ -264,7 +278,7 @@ fn work(
 }
 
 /// From places to pixels and colours.
-fn finish(
+pub(super) fn finish(
     exemplars: &Exemplars<'_>,
     params: &SynthesisParams,
     photos: Vec<Photograph>,
@@ -289,7 +303,7 @@ fn finish(
     let source: Vec<u32> = state.source.par_iter().map(number).collect();
     let voxels = source.par_iter().map(|&s| colours[s as usize]).collect();
     let texture = SolidTexture::new(params.size.0, voxels, params.tiling())?;
-    let counts: Vec<u32> = level.atlas.places().map(|p| position.counts()[p as usize]).collect();
+    let counts: Vec<u32> = level.places().map(|p| position.counts()[p as usize]).collect();
     report.voxels = source.len();
     report.pixels = counts.len();
     report.measure(&texture, &counts);

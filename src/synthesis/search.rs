@@ -177,6 +177,7 @@ impl Finder<'_> {
             let phase = self.level.grid.phase(at[self.axis.index()], self.pass);
             if self.level.grid.is_centre(right, phase[0], at[right.index()])
                 && self.level.grid.is_centre(down, phase[1], at[down.index()])
+                && self.level.is_open(self.axis, row * nx + x)
             {
                 *entry = self.voxel::<C>(row * nx + x, at, rng);
             }
