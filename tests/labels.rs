@@ -73,10 +73,10 @@ fn a_point_of_a_piece_knows_its_particle() {
             _ => format!("particle {label} of patch {}", point["patch"]),
         };
         assert_eq!(point["particle"], expected);
-        let [r, g, b] = COLOURS[label as usize].map(|c| c).first_chunk().copied().unwrap();
+        let [r, g, b, _] = COLOURS[label as usize];
         // Where the colour is that of one particle, and not a blend of several, it is that of the label.
         if COLOURS.iter().any(|c| point["colour"] == json!(c)) {
-            assert_eq!(point["colour"], json!([r, g, b, 255]), "{point}");
+            assert_eq!(point["colour"], json!(COLOURS[label as usize]), "{point}");
             assert_eq!(point["hex"], format!("#{r:02x}{g:02x}{b:02x}"));
             told += 1;
         }
@@ -88,8 +88,8 @@ fn a_point_of_a_piece_knows_its_particle() {
     // A piece of it says the same, in tetrahedra of its own.
     bench.ok("cut m.lapis --plane 0,0,1,0.05 -o pieces");
     bench.ok("cut pieces/piece-2.lapis --plane 1,0.3,0,0.9 -o again");
-    let upper = (1..=2).map(|n| format!("pieces/piece-{n}.lapis"));
-    let upper = upper.filter(|piece| !at(&bench, piece, &points()[..1])[0]["tet"].is_null()).next().unwrap();
+    let mut upper = (1..=2).map(|n| format!("pieces/piece-{n}.lapis"));
+    let upper = upper.find(|piece| !at(&bench, piece, &points()[..1])[0]["tet"].is_null()).unwrap();
     for (a, b) in at(&bench, &upper, &points()).iter().zip(&whole) {
         for key in ["patch", "label", "particle", "exemplar"] {
             assert_eq!(a[key], b[key], "{key}: {a} {b}");

@@ -278,6 +278,11 @@ fn with_look() -> LappedSolid {
     solid
 }
 
+/// Where some text begins in a file.
+fn find(bytes: &[u8], text: &str) -> usize {
+    bytes.windows(text.len()).position(|w| w == text.as_bytes()).unwrap()
+}
+
 #[test]
 fn a_look_survives_its_file_and_earlier_versions_are_read() {
     let mut solid = with_look();
@@ -293,20 +298,19 @@ fn a_look_survives_its_file_and_earlier_versions_are_read() {
     // A version 1 file knows nothing of looks, one of version 2 is the same as long as there are no labels.
     solid.look = None;
     let bytes = solid.to_bytes();
-    let text = String::from_utf8_lossy(&bytes).into_owned();
     let version = |n: u32| format!("\\\"format\\\":{n},");
-    let at = text.find(&version(FORMAT_VERSION)).unwrap();
+    let at = find(&bytes, &version(FORMAT_VERSION));
     let key = "\\\"look\\\":null,";
     let mut other = bytes.clone();
-    let mut of_version = |n: u32, other: &mut Vec<u8>| {
+    let of_version = |n: u32, other: &mut Vec<u8>| {
         other[at..at + version(n).len()].copy_from_slice(version(n).as_bytes());
         LappedSolid::from_bytes(other)
     };
     assert_eq!(of_version(2, &mut other).unwrap(), solid);
-    let look = text.find(key).unwrap();
+    let look = find(&bytes, key);
     other[look..look + key.len()].fill(b' ');
     assert_eq!(of_version(1, &mut other).unwrap(), solid);
-    assert!(matches!(of_version(4, &mut other), Err(ModelFileError::Version(4))));
+    assert!(matches!(of_version(FORMAT_VERSION + 1, &mut other), Err(ModelFileError::Version(4))));
 }
 
 /// The texture of the other tests, with eight particles: its octants, but the first, which is matrix.
@@ -329,9 +333,8 @@ fn labels_survive_filling_and_files() {
         assert_eq!(back, solid);
         assert_eq!(back.to_bytes(), bytes);
         // Of another size than their exemplar.
-        let text = String::from_utf8_lossy(&bytes).into_owned();
-        let at = text.find("\"labels_0\"").unwrap();
-        let shape = at + text[at..].find("[32,32,32]").unwrap();
+        let at = find(&bytes, "\"labels_0\"");
+        let shape = at + find(&bytes[at..], "[32,32,32]");
         let mut bad = bytes;
         bad[shape..shape + 10].copy_from_slice(b"[16,64,32]");
         let error = LappedSolid::from_bytes(&bad).unwrap_err().to_string();

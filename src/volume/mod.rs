@@ -1,4 +1,5 @@
-//! Solid textures and the masks through which they are pasted, in memory and in files.
+//! Solid textures with the labels of their particles, and the masks through which they are pasted, in memory and in
+//! files; `docs/volumes.md` says what the files hold.
 
 mod arrays;
 mod block;
