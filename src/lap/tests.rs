@@ -374,7 +374,8 @@ fn what_is_seen_has_the_largest_weight() {
     // The patches of a ball show all that there is.
     assert!(labels.iter().all(|&n| n > 0), "{labels:?}");
     // Under masks that hide everything the oldest layer shows; where there is no layer, nothing does.
-    solid.masks = vec![Arc::new(crate::volume::AlphaMask::new([1; 3], vec![0]).unwrap()); solid.masks.len()];
+    let clear = Arc::new(crate::volume::AlphaMask::new([1; 3], vec![0]).unwrap());
+    solid.masks.fill(clear);
     assert_eq!(solid.seen(0, [0.25; 4]).unwrap().patch, solid.layer_patch[0]);
     solid.layer_start.fill(0);
     assert_eq!(solid.seen(0, [0.25; 4]), None);
