@@ -15,7 +15,7 @@ use super::photographs::{self, Named};
 /// `lapis assess VOLUME --exemplar [AXIS=]IMAGE …`
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The solid texture: an .nrrd file, or a folder of PNG slices along z
+    /// The solid texture: an .nrrd or .npy file, or a folder of PNG slices along z
     volume: PathBuf,
     /// A photograph that it was made from, and the axis that its slice is perpendicular to; may be given again. Without
     /// an axis, one serves all three directions, and three are x, y, z in order

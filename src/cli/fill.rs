@@ -22,7 +22,7 @@ use super::values::{self, Polyline};
 pub(crate) struct Args {
     /// The mesh: OBJ, STL, PLY, OFF, GLB, glTF, or tetrahedra (.node, .ele, .vtu, .msh)
     mesh: PathBuf,
-    /// The solid texture: an .nrrd file, or a folder of PNG slices along z
+    /// The solid texture: an .nrrd or .npy file, or a folder of PNG slices along z
     #[arg(long, value_name = "VOLUME")]
     texture: PathBuf,
     /// The texture's type: 0 (isotropic), 1a (along a direction), 1b (with depth), 2a (along a direction and

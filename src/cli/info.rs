@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use lapis::colour::encode;
 use lapis::files::read_whole;
-use lapis::lap::LappedSolid;
+use lapis::lap::{LappedSolid, Seen};
 use lapis::mesh::{FaceOrigin, TetLocator, TetMesh, TriMesh, Wear, clean, read_tets};
 use lapis::project::{Project, Report, is_tet_file};
 use lapis::view::{Camera, Drawing, StrokeFile, is_svg, read_camera};
@@ -20,10 +20,10 @@ use super::values;
 /// `lapis info FILE`
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// A mesh, tetrahedra, a volume (.nrrd or a folder of slices), a .lapis model, or a project, stroke or
+    /// A mesh, tetrahedra, a volume (.nrrd, .npy or a folder of slices), a .lapis model, or a project, stroke or
     /// camera file (.toml), or a drawing of strokes (.svg)
     file: PathBuf,
-    /// For a .lapis model: the tetrahedron, depth and colour at a point; may be given again
+    /// For a .lapis model: the tetrahedron, depth, colour, patch and particle at a point; may be given again
     #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
     at: Vec<DVec3>,
     #[command(flatten)]
@@ -52,7 +52,7 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
         "obj" | "stl" | "ply" | "off" | "glb" | "gltf" => Ok(Kind::Mesh),
         _ if is_tet_file(path) => Ok(Kind::Tets),
         _ if is_svg(path) => Ok(Kind::Drawing),
-        "nrrd" => Ok(Kind::Volume),
+        "nrrd" | "npy" => Ok(Kind::Volume),
         "lapis" => Ok(Kind::Solid),
         "toml" => {
             let what = format!("cannot read {}", path.display());
@@ -68,7 +68,7 @@ fn kind(path: &Path) -> Result<Kind, Failure> {
         }
         _ => Err(Failure::usage(format!(
             "cannot tell what '{}' is; Lapis reads .obj .stl .ply .off .glb .gltf (meshes), .node .ele .vtu .msh \
-             (tetrahedra), .nrrd and folders of .png (volumes), .lapis (models) and .toml (projects, strokes, \
+             (tetrahedra), .nrrd .npy and folders of .png (volumes), .lapis (models) and .toml (projects, strokes, \
              cameras), .svg (drawings of strokes)",
             path.display()
         ))),
@@ -228,6 +228,10 @@ fn volume(report: &mut Report, volume: &SolidTexture) {
     #[allow(clippy::cast_precision_loss)] // at most 2³⁰ voxels of 8 bits
     let mean = sum.map(|s| (s as f64 / volume.voxels().len() as f64).round());
     report.measure("mean_colour", json!(mean));
+    if let Some(particles) = volume.particles() {
+        report.count("particles", particles.count);
+        report.measure("particle_share", particles.share);
+    }
 }
 
 fn lapped_solid(report: &mut Report, solid: &LappedSolid, at: &[DVec3]) {
@@ -239,6 +243,12 @@ fn lapped_solid(report: &mut Report, solid: &LappedSolid, at: &[DVec3]) {
     report.count("patches", solid.patches.len());
     report.count("exemplars", solid.exemplars.len());
     report.count("masks", solid.masks.len());
+    // Each pasted copy has particles of its own: these are those of the exemplars.
+    let particles: Vec<usize> =
+        solid.exemplars.iter().filter_map(|e| e.particles()).map(|p| p.count).collect();
+    if !particles.is_empty() {
+        report.count("exemplar_particles", particles.iter().sum());
+    }
     let layers = (0..solid.mesh.tets.len()).map(|t| solid.layers(t).len());
     report.count("layers_max", layers.max().unwrap_or(0));
     #[allow(clippy::cast_precision_loss)]
@@ -259,23 +269,50 @@ fn lapped_solid(report: &mut Report, solid: &LappedSolid, at: &[DVec3]) {
     }
 }
 
-/// What the model is at a point; only the point itself where it lies outside.
+/// What the model is at a point; where that lies outside, how far away the model is.
 fn point(solid: &LappedSolid, locator: &TetLocator, p: DVec3) -> Value {
     let Some((tet, barycentric)) = locator.find(p) else {
-        return json!({ "point": p.to_array(), "tet": null });
+        let nearest = locator.nearest(p).map(|(tet, b)| {
+            let there: DVec3 = solid.mesh.corners(tet).into_iter().zip(b).map(|(c, b)| c * b).sum();
+            (tet, p.distance(there))
+        });
+        return json!({
+            "point": p.to_array(),
+            "tet": null,
+            "nearest_tet": nearest.map(|n| n.0),
+            "distance": nearest.map(|n| n.1),
+        });
     };
     let depth: f64 =
         solid.mesh.tets[tet].iter().zip(barycentric).map(|(&v, b)| b * solid.depth[v as usize]).sum();
     #[allow(clippy::cast_possible_truncation)] // texture coordinates are f32
-    let colour = encode(solid.colour(tet, barycentric.map(|b| b as f32)));
+    let at = barycentric.map(|b| b as f32);
+    let colour = encode(solid.colour(tet, at));
+    let [r, g, b, _] = colour;
+    let seen = solid.seen(tet, at);
     json!({
         "point": p.to_array(),
         "tet": tet,
         "barycentric": barycentric,
         "depth": depth,
         "colour": colour,
+        "hex": format!("#{r:02x}{g:02x}{b:02x}"),
         "layers": solid.layers(tet).len(),
+        "patch": seen.map(|s| s.patch),
+        "exemplar": seen.map(|s| s.exemplar),
+        "uvw": seen.map(|s| s.uvw),
+        "label": seen.and_then(|s| s.label),
+        "particle": seen.map(|s| particle(&s)),
     })
+}
+
+/// In words, the particle that is seen.
+fn particle(seen: &Seen) -> String {
+    match seen.label {
+        None => "no labels".to_owned(),
+        Some(0) => "matrix".to_owned(),
+        Some(label) => format!("particle {label} of patch {}", seen.patch),
+    }
 }
 
 fn project(report: &mut Report, project: &Project) {

@@ -164,6 +164,7 @@ pub(crate) fn table(text: &mut String, indent: &str, map: &Map<String, Value>) {
 
 fn plain(value: &Value) -> String {
     match value {
+        Value::Null => "none".to_owned(),
         Value::String(s) => s.clone(),
         Value::Number(n) if n.is_f64() => {
             let x = n.as_f64().unwrap_or(f64::NAN);

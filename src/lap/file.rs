@@ -17,8 +17,8 @@ use crate::mesh::{BoundaryFace, FaceOrigin, NONE, TetMesh, TopologyError};
 use crate::volume::{AlphaMask, SolidTexture, VolumeError};
 
 /// The version of the format that this program writes.
-pub const FORMAT_VERSION: u32 = 2;
-/// The versions that it reads: in version 1 a model has no look.
+pub const FORMAT_VERSION: u32 = 3;
+/// The versions that it reads: in version 1 a model has no look, before version 3 no particle labels.
 const READ_VERSIONS: std::ops::RangeInclusive<u64> = 1..=FORMAT_VERSION as u64;
 /// The one metadata key.
 pub const METADATA_KEY: &str = "lapis";
@@ -149,6 +149,9 @@ impl LappedSolid {
             let [x, y, z] = texture.size().map(|s| s as usize);
             let bytes = texture.voxels().as_flattened().to_vec();
             arrays.push((format!("exemplar_{n}"), Dtype::U8, vec![z, y, x, 4], bytes));
+            if let Some(labels) = texture.labels() {
+                arrays.push((format!("labels_{n}"), Dtype::U32, vec![z, y, x], le_u32(labels)));
+            }
         }
         for (n, mask) in self.masks.iter().enumerate() {
             let [x, y, z] = mask.size().map(|s| s as usize);
@@ -290,15 +293,7 @@ impl LappedSolid {
             .exemplar_tiles
             .iter()
             .enumerate()
-            .map(|(n, tiles)| {
-                let name = format!("exemplar_{n}");
-                let data = arrays.get(&name, Dtype::U8, &[None, None, None, Some(4)])?;
-                let size = volume_size(&name, data.shape())?;
-                let voxels = data.data().chunks_exact(4).map(|c| [c[0], c[1], c[2], c[3]]).collect();
-                let tiles = ['x', 'y', 'z'].map(|a| tiles.contains(a));
-                let texture = SolidTexture::new(size, voxels, tiles);
-                Ok(Arc::new(texture.map_err(|source| ModelFileError::Volume { name, source })?))
-            })
+            .map(|(n, tiles)| exemplar(&arrays, n, tiles).map(Arc::new))
             .collect::<Result<_, ModelFileError>>()?;
         let masks = (0..metadata.masks)
             .map(|n| {
@@ -407,6 +402,23 @@ fn value(
 
 fn axes(tiles: [bool; 3]) -> String {
     "xyz".chars().zip(tiles).filter(|(_, tiles)| *tiles).map(|(axis, _)| axis).collect()
+}
+
+/// Exemplar `n`, with the labels of its particles where the file has them.
+fn exemplar(arrays: &Arrays<'_>, n: usize, tiles: &str) -> Result<SolidTexture, ModelFileError> {
+    let name = format!("exemplar_{n}");
+    let data = arrays.get(&name, Dtype::U8, &[None, None, None, Some(4)])?;
+    let size = volume_size(&name, data.shape())?;
+    let voxels = data.data().chunks_exact(4).map(|c| [c[0], c[1], c[2], c[3]]).collect();
+    let tiles = ['x', 'y', 'z'].map(|a| tiles.contains(a));
+    let wrong = |source| ModelFileError::Volume { name: name.clone(), source };
+    let texture = SolidTexture::new(size, voxels, tiles).map_err(wrong)?;
+    let labels = format!("labels_{n}");
+    if !arrays.has(&labels) {
+        return Ok(texture);
+    }
+    let shape = [data.shape()[0], data.shape()[1], data.shape()[2]].map(Some);
+    texture.with_labels(u32s(&arrays.get(&labels, Dtype::U32, &shape)?)).map_err(wrong)
 }
 
 fn volume_size(name: &str, shape: &[usize]) -> Result<[u32; 3], ModelFileError> {

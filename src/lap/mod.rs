@@ -30,7 +30,7 @@ pub use kind::{Inputs, TextureType, UnknownType};
 pub use look::{Look, LookError};
 pub use measure::FillMeasures;
 pub use params::FillParams;
-pub use solid::{LappedSolid, Patch, interpolate};
+pub use solid::{LappedSolid, Patch, Seen, interpolate};
 pub use unfilled::{bare, unfilled};
 pub(crate) use vertex::AtVertex;
 

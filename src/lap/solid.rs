@@ -55,6 +55,23 @@ pub struct LappedSolid {
     pub settings: serde_json::Value,
 }
 
+/// What is seen at a point of a lapped solid. A particle of the solid is a particle of one patch: `patch` and `label`
+/// together tell it from all others, for each pasted copy has particles of its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
+    /// Index into [`LappedSolid::patches`].
+    pub patch: u32,
+    /// Index into [`LappedSolid::exemplars`].
+    pub exemplar: u32,
+    /// Texture coordinates; along axes that tile they may lie outside 0…1.
+    pub uvw: [f32; 3],
+    /// The particle label there, 0 for the matrix; `None` where the exemplar has no labels.
+    pub label: Option<u32>,
+}
+
+/// Below this weight of all layers together, the oldest shows its own colour.
+const BARE: f32 = 1.0 / 255.0;
+
 impl LappedSolid {
     /// The layers of tetrahedron `t`, as a range into `layer_patch` and `layer_uvw`, oldest first.
     #[must_use]
@@ -83,6 +100,23 @@ impl LappedSolid {
         })
     }
 
+    /// What is seen there: the layer with the largest weight in the composite of [`LappedSolid::colour`], the newer of
+    /// two that have the same; the oldest layer where that shows its own colour. `None` without any layer.
+    #[must_use]
+    pub fn seen(&self, tet: usize, barycentric: [f32; 4]) -> Option<Seen> {
+        let mut most = (0.0, None);
+        let covered = self.weights(tet, barycentric, |patch, uvw, weight| {
+            if weight > most.0 {
+                most = (weight, Some((patch, uvw)));
+            }
+        });
+        let shown = if covered < BARE { self.oldest(tet, barycentric) } else { most.1 };
+        let (patch, uvw) = shown?;
+        let exemplar = self.patches[patch as usize].exemplar;
+        let label = self.exemplars[exemplar as usize].label_at(uvw);
+        Some(Seen { patch, exemplar, uvw, label })
+    }
+
     /// As [`LappedSolid::colour`], with another colour than the exemplar's for each patch, of its number and
     /// the texture coordinates.
     pub fn composite(
@@ -91,42 +125,50 @@ impl LappedSolid {
         barycentric: [f32; 4],
         colour: impl Fn(u32, [f32; 3]) -> LinearRgba,
     ) -> LinearRgba {
-        let layers = self.layers(tet);
         let mut x = [0.0f32; 4];
+        let covered = self.weights(tet, barycentric, |patch, uvw, weight| {
+            let c = colour(patch, uvw);
+            for n in 0..3 {
+                x[n] += weight * c[n] * c[3];
+            }
+            x[3] += weight * c[3];
+        });
+        if covered < BARE {
+            return self.oldest(tet, barycentric).map_or([0.0; 4], |(patch, uvw)| colour(patch, uvw));
+        }
+        if x[3] <= 0.0 {
+            return [0.0; 4];
+        }
+        [x[0] / x[3], x[1] / x[3], x[2] / x[3], x[3] / covered]
+    }
+
+    /// Gives the patch, the texture coordinates and the weight m·Π(1−m of the newer ones) of each layer that takes part in
+    /// the composite, from the newest down to the first opaque one; returns the sum of the weights, M.
+    fn weights(&self, tet: usize, barycentric: [f32; 4], mut each: impl FnMut(u32, [f32; 3], f32)) -> f32 {
         let mut covered = 0.0f32;
         let mut clear = 1.0f32;
-        for layer in layers.clone().rev() {
+        for layer in self.layers(tet).rev() {
             let uvw = interpolate(&self.layer_uvw[layer], barycentric);
-            let patch = self.patches[self.layer_patch[layer] as usize];
-            let m = self.masks[patch.mask as usize].sample(uvw);
+            let patch = self.layer_patch[layer];
+            let m = self.masks[self.patches[patch as usize].mask as usize].sample(uvw);
             if m <= 0.0 {
                 continue;
             }
-            let c = colour(self.layer_patch[layer], uvw);
             let w = clear * m;
-            for n in 0..3 {
-                x[n] += w * c[n] * c[3];
-            }
-            x[3] += w * c[3];
+            each(patch, uvw, w);
             covered += w;
             clear *= 1.0 - m;
             if clear <= 0.0 {
                 break;
             }
         }
-        if covered < 1.0 / 255.0 {
-            return match layers.clone().next() {
-                Some(oldest) => {
-                    let uvw = interpolate(&self.layer_uvw[oldest], barycentric);
-                    colour(self.layer_patch[oldest], uvw)
-                }
-                None => [0.0; 4],
-            };
-        }
-        if x[3] <= 0.0 {
-            return [0.0; 4];
-        }
-        [x[0] / x[3], x[1] / x[3], x[2] / x[3], x[3] / covered]
+        covered
+    }
+
+    /// The patch and the texture coordinates of the oldest layer.
+    fn oldest(&self, tet: usize, barycentric: [f32; 4]) -> Option<(u32, [f32; 3])> {
+        let oldest = self.layers(tet).next()?;
+        Some((self.layer_patch[oldest], interpolate(&self.layer_uvw[oldest], barycentric)))
     }
 }
 

@@ -278,8 +278,13 @@ fn with_look() -> LappedSolid {
     solid
 }
 
+/// Where some text begins in a file.
+fn find(bytes: &[u8], text: &str) -> usize {
+    bytes.windows(text.len()).position(|w| w == text.as_bytes()).unwrap()
+}
+
 #[test]
-fn a_look_survives_its_file_and_version_1_is_read() {
+fn a_look_survives_its_file_and_earlier_versions_are_read() {
     let mut solid = with_look();
     let bytes = solid.to_bytes();
     let back = LappedSolid::from_bytes(&bytes).unwrap();
@@ -290,18 +295,88 @@ fn a_look_survives_its_file_and_version_1_is_read() {
     bad.mesh.boundary[3].origin = crate::mesh::FaceOrigin::Input(1 << 20);
     let refused = LappedSolid::from_bytes(&bad.to_bytes()).unwrap_err();
     assert!(matches!(refused, ModelFileError::Value { name: "boundary_input", index: 3, .. }), "{refused}");
-    // A version 1 file knows nothing of looks.
+    // A version 1 file knows nothing of looks, one of version 2 is the same as long as there are no labels.
     solid.look = None;
     let bytes = solid.to_bytes();
-    let text = String::from_utf8_lossy(&bytes).into_owned();
-    let (old, new) = ("\\\"format\\\":2,", "\\\"format\\\":1,");
-    let at = text.find(old).unwrap();
+    let version = |n: u32| format!("\\\"format\\\":{n},");
+    let at = find(&bytes, &version(FORMAT_VERSION));
     let key = "\\\"look\\\":null,";
-    let mut earlier = bytes.clone();
-    earlier[at..at + old.len()].copy_from_slice(new.as_bytes());
-    let look = text.find(key).unwrap();
-    earlier[look..look + key.len()].fill(b' ');
-    assert_eq!(LappedSolid::from_bytes(&earlier).unwrap(), solid);
-    earlier[at..at + old.len()].copy_from_slice("\\\"format\\\":3,".as_bytes());
-    assert!(matches!(LappedSolid::from_bytes(&earlier), Err(ModelFileError::Version(3))));
+    let mut other = bytes.clone();
+    let of_version = |n: u32, other: &mut Vec<u8>| {
+        other[at..at + version(n).len()].copy_from_slice(version(n).as_bytes());
+        LappedSolid::from_bytes(other)
+    };
+    assert_eq!(of_version(2, &mut other).unwrap(), solid);
+    let look = find(&bytes, key);
+    other[look..look + key.len()].fill(b' ');
+    assert_eq!(of_version(1, &mut other).unwrap(), solid);
+    assert!(matches!(of_version(FORMAT_VERSION + 1, &mut other), Err(ModelFileError::Version(4))));
+}
+
+/// The texture of the other tests, with eight particles: its octants, but the first, which is matrix.
+fn octants() -> Arc<SolidTexture> {
+    let plain = Arc::unwrap_or_clone(texture([true; 3]));
+    let octant = |v: u32| (v % 32 / 16) + 2 * (v / 32 % 32 / 16) + 4 * (v / 1024 / 16);
+    Arc::new(plain.with_labels((0..32768).map(octant).collect()).unwrap())
+}
+
+#[test]
+fn labels_survive_filling_and_files() {
+    for kind in [TextureType::Type1a, TextureType::Type2d] {
+        let mesh = ball(2, 6);
+        let fields = fields(&mesh, kind, 0.8);
+        let (params, exec) = (FillParams::default(), Exec::default());
+        let (solid, _) = fill(mesh, octants(), kind, &fields, &params, 7, &exec).unwrap();
+        assert_eq!(solid.exemplars[0].labels(), octants().labels());
+        let bytes = solid.to_bytes();
+        let back = LappedSolid::from_bytes(&bytes).unwrap();
+        assert_eq!(back, solid);
+        assert_eq!(back.to_bytes(), bytes);
+        // Of another size than their exemplar.
+        let at = find(&bytes, "\"labels_0\"");
+        let shape = at + find(&bytes[at..], "[32,32,32]");
+        let mut bad = bytes;
+        bad[shape..shape + 10].copy_from_slice(b"[16,64,32]");
+        let error = LappedSolid::from_bytes(&bad).unwrap_err().to_string();
+        assert!(error.contains("labels_0") && error.contains("[32, 32, 32]"), "{error}");
+    }
+}
+
+#[test]
+fn what_is_seen_has_the_largest_weight() {
+    let mesh = ball(2, 6);
+    let fields = fields(&mesh, TextureType::Type1a, 0.8);
+    let (params, exec) = (FillParams::default(), Exec::default());
+    let (mut solid, _) = fill(mesh, octants(), TextureType::Type1a, &fields, &params, 7, &exec).unwrap();
+    let mut labels = [0usize; 8];
+    for t in 0..solid.mesh.tets.len() {
+        for b in [[0.25; 4], [0.7, 0.1, 0.1, 0.1], [0.0, 0.5, 0.0, 0.5], [0.0, 0.0, 1.0, 0.0]] {
+            let seen = solid.seen(t, b).unwrap();
+            // The same by the definition, from the oldest layer up.
+            let all: Vec<(f32, u32, [f32; 3])> = solid
+                .layers(t)
+                .map(|l| {
+                    let weight = |l: usize| {
+                        let mask = solid.patches[solid.layer_patch[l] as usize].mask as usize;
+                        solid.masks[mask].sample(interpolate(&solid.layer_uvw[l], b))
+                    };
+                    let clear: f32 = (l + 1..solid.layers(t).end).map(|newer| 1.0 - weight(newer)).product();
+                    (weight(l) * clear, solid.layer_patch[l], interpolate(&solid.layer_uvw[l], b))
+                })
+                .collect();
+            let most = all.iter().fold(0.0f32, |m, a| m.max(a.0));
+            let own = all.iter().find(|a| a.1 == seen.patch && a.2 == seen.uvw).unwrap();
+            assert!(own.0 > most - 1e-6, "{seen:?} {all:?}");
+            assert_eq!((seen.exemplar, seen.label), (0, octants().label_at(seen.uvw)));
+            labels[seen.label.unwrap() as usize] += 1;
+        }
+    }
+    // The patches of a ball show all that there is.
+    assert!(labels.iter().all(|&n| n > 0), "{labels:?}");
+    // Under masks that hide everything the oldest layer shows; where there is no layer, nothing does.
+    let clear = Arc::new(crate::volume::AlphaMask::new([1; 3], vec![0]).unwrap());
+    solid.masks.fill(clear);
+    assert_eq!(solid.seen(0, [0.25; 4]).unwrap().patch, solid.layer_patch[0]);
+    solid.layer_start.fill(0);
+    assert_eq!(solid.seen(0, [0.25; 4]), None);
 }

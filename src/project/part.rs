@@ -37,7 +37,7 @@ pub struct Part {
     pub refine_singular: u32,
     /// Whether the outside keeps the mesh's own look, so that only cuts show the filling.
     pub keep_look: bool,
-    /// The solid texture: an `.nrrd` file or a folder of slices.
+    /// The solid texture: an `.nrrd` or `.npy` file or a folder of slices.
     pub volume: PathBuf,
     /// The texture's type.
     pub kind: TextureType,

@@ -3,8 +3,12 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::arrays::{self, ArrayError};
+use super::block::Block;
+use super::labels::{labels_path, plain_name};
 use super::mask::AlphaMask;
 use super::nrrd::{self, NrrdError};
+use super::sidecar::Sidecar;
 use super::slices::{self, SlicesError};
 use super::texture::SolidTexture;
 use crate::files;
@@ -21,7 +25,9 @@ pub enum VolumeReadError {
         error: io::Error,
     },
     /// Neither the name nor the content is a volume's.
-    #[error("{path} is no volume; give an NRRD file (.nrrd), or a folder of PNG slices along z")]
+    #[error(
+        "{path} is no volume; give an NRRD file (.nrrd), an array of NumPy (.npy), or a folder of PNG slices along z"
+    )]
     Unknown {
         /// The file.
         path: PathBuf,
@@ -33,6 +39,14 @@ pub enum VolumeReadError {
         path: PathBuf,
         /// What is wrong.
         error: NrrdError,
+    },
+    /// An NPY file that is broken, or no volume.
+    #[error("{path}: {error}")]
+    Array {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        error: ArrayError,
     },
     /// A folder whose slices make no volume.
     #[error("{path}: {error}")]
@@ -56,9 +70,18 @@ pub enum VolumeReadError {
 #[derive(Debug, thiserror::Error)]
 pub enum VolumeWriteError {
     /// The path does not say how.
-    #[error("{path} names no kind of volume; end it in .nrrd, or in / for a folder of PNG slices")]
+    #[error("{path} names no kind of volume; end it in .nrrd or .npy, or in / for a folder of PNG slices")]
     Unknown {
         /// Where it should have gone.
+        path: PathBuf,
+    },
+    /// A file of labels whose name the volume cannot hold.
+    #[error(
+        "{path} cannot be named by the volume whose particle labels it would hold; give the volume a name of letters, \
+         digits, spaces, '-', '_' and '.'"
+    )]
+    LabelName {
+        /// Where the labels should have gone.
         path: PathBuf,
     },
     /// The system refuses.
@@ -71,11 +94,12 @@ pub enum VolumeWriteError {
     },
 }
 
-/// Reads a solid texture: an NRRD file of 8-bit voxels (grey, RGB or RGBA), or a folder of 8-bit PNG slices
-/// along z in natural order of their names, row 0 at y = 0. Grey is spread over the three colours, and
-/// without an alpha channel every voxel is opaque. A volume that does not say along which axes it tiles
-/// (key `lapis_tiles` of an NRRD, `volume.json` beside slices) tiles nowhere;
-/// [`SolidTexture::with_tiles`] tells better.
+/// Reads a solid texture: an NRRD file of 8-bit voxels (grey, RGB or RGBA), an NPY file of bytes `[z, y, x, 4]`, or a
+/// folder of 8-bit PNG slices along z in natural order of their names, row 0 at y = 0. Grey is spread over the three
+/// colours, and without an alpha channel every voxel is opaque. A volume that does not say along which axes it tiles
+/// (key `lapis_tiles` of an NRRD, `NAME.volume.json` beside `NAME.npy`, `volume.json` among slices) tiles nowhere;
+/// [`SolidTexture::with_tiles`] tells better. Particle labels are read from the file of the same folder that the
+/// volume names (key `lapis_labels`, or `labels` in the JSON).
 ///
 /// # Errors
 /// [`VolumeReadError`], which names the file, the place in it and what would help. Sizes are checked before
@@ -86,6 +110,10 @@ pub fn read(path: &Path) -> Result<SolidTexture, VolumeReadError> {
     }
     let bytes =
         files::read_whole(path).map_err(|error| VolumeReadError::Io { path: path.to_owned(), error })?;
+    if has_extension(path, "npy") {
+        return arrays::decode(path, &bytes)
+            .map_err(|error| VolumeReadError::Array { path: path.to_owned(), error });
+    }
     let named = has_extension(path, "nrrd") || has_extension(path, "nhdr");
     if !named && !bytes.starts_with(b"NRRD") {
         return Err(VolumeReadError::Unknown { path: path.to_owned() });
@@ -114,20 +142,30 @@ pub fn read_mask(path: &Path) -> Result<AlphaMask, VolumeReadError> {
     Ok(AlphaMask::new(texture.size(), alpha).expect("as many values as the texture has voxels"))
 }
 
-/// Writes a solid texture: to one file where `path` ends in `.nrrd`, to a folder of PNG slices where it ends
-/// in `/` or has no extension. It appears whole or not at all; a folder that is there is replaced only if it
-/// holds nothing but slices.
+/// Writes a solid texture: to one file where `path` ends in `.nrrd`, to two where it ends in `.npy`, to a folder of PNG
+/// slices where it ends in `/` or has no extension; particle labels go to one file more. All appear or none; a folder
+/// that is there is replaced only if it holds nothing but slices.
 ///
 /// # Errors
 /// [`VolumeWriteError`].
 pub fn write(path: &Path, texture: &SolidTexture) -> Result<(), VolumeWriteError> {
-    write_block(path, texture.size(), 4, texture.voxels().as_flattened(), Some(texture.tiles()))
+    write_block(path, &texture.into())
 }
 
-/// A solid texture as the bytes of an NRRD file, which [`read`] reads.
+/// The files that a solid texture is written to where `path` ends in `.nrrd` or `.npy`, and their bytes: `path` comes
+/// last, before it the files beside it that it needs, as the one of its labels, [`labels_path`].
+///
+/// # Errors
+/// [`VolumeWriteError::Unknown`], [`VolumeWriteError::LabelName`].
+pub fn to_files(path: &Path, texture: &SolidTexture) -> Result<Vec<(PathBuf, Vec<u8>)>, VolumeWriteError> {
+    block_files(path, &texture.into())
+}
+
+/// The colours of a solid texture as the bytes of an NRRD file, which [`read`] reads. Its labels are not in it:
+/// [`to_files`] has them.
 #[must_use]
 pub fn to_nrrd(texture: &SolidTexture) -> Vec<u8> {
-    nrrd::encode(texture.size(), 4, texture.voxels().as_flattened(), Some(texture.tiles()))
+    nrrd::encode(&texture.into(), None)
 }
 
 /// Writes a mask, in grey, in the same ways as [`write()`].
@@ -135,25 +173,49 @@ pub fn to_nrrd(texture: &SolidTexture) -> Vec<u8> {
 /// # Errors
 /// [`VolumeWriteError`].
 pub fn write_mask(path: &Path, mask: &AlphaMask) -> Result<(), VolumeWriteError> {
-    write_block(path, mask.size(), 1, mask.alpha(), None)
+    write_block(path, &mask.into())
 }
 
-fn write_block(
-    path: &Path,
-    size: [u32; 3],
-    channels: u8,
-    data: &[u8],
-    tiles: Option<[bool; 3]>,
-) -> Result<(), VolumeWriteError> {
+fn write_block(path: &Path, block: &Block<'_>) -> Result<(), VolumeWriteError> {
     let folder = path.as_os_str().to_string_lossy().ends_with(std::path::is_separator);
-    let done = if folder || path.extension().is_none() {
-        slices::write(path, size, channels, data, tiles)
-    } else if has_extension(path, "nrrd") {
-        files::write_whole(path, &nrrd::encode(size, channels, data, tiles))
-    } else {
+    if folder || path.extension().is_none() {
+        return slices::write(path, block)
+            .map_err(|error| VolumeWriteError::Io { path: path.to_owned(), error });
+    }
+    let written = block_files(path, block)?;
+    let written: Vec<(&Path, &[u8])> = written.iter().map(|(path, bytes)| (&**path, &**bytes)).collect();
+    files::write_all(&written).map_err(|e| VolumeWriteError::Io { path: e.path, error: e.source })
+}
+
+fn block_files(path: &Path, block: &Block<'_>) -> Result<Vec<(PathBuf, Vec<u8>)>, VolumeWriteError> {
+    let nrrd = has_extension(path, "nrrd");
+    if !nrrd && !has_extension(path, "npy") {
         return Err(VolumeWriteError::Unknown { path: path.to_owned() });
-    };
-    done.map_err(|error| VolumeWriteError::Io { path: path.to_owned(), error })
+    }
+    let mut all = Vec::new();
+    let mut name = None;
+    if let Some(labels) = block.labels {
+        let beside = labels_path(path);
+        // As it will be read: the rest of a line without the spaces around it.
+        let plain = beside.file_name().and_then(|name| name.to_str()).filter(|name| {
+            plain_name(name) == Some(*name) && name.trim() == *name && !name.contains(char::is_control)
+        });
+        let Some(plain) = plain else {
+            return Err(VolumeWriteError::LabelName { path: beside });
+        };
+        name = Some(plain.to_owned());
+        let encode = if nrrd { nrrd::encode_labels } else { arrays::encode_labels };
+        all.push((beside, encode(block.size, labels)));
+    }
+    if nrrd {
+        all.push((path.to_owned(), nrrd::encode(block, name.as_deref())));
+        return Ok(all);
+    }
+    if let Some(tiles) = block.tiles {
+        all.push((arrays::sidecar_path(path), Sidecar::new(tiles, name).to_bytes()));
+    }
+    all.push((path.to_owned(), arrays::encode(block)));
+    Ok(all)
 }
 
 fn has_extension(path: &Path, extension: &str) -> bool {

@@ -1,15 +1,25 @@
-//! Solid textures and the masks through which they are pasted, in memory and in files.
+//! Solid textures with the labels of their particles, and the masks through which they are pasted, in memory and in
+//! files; `docs/volumes.md` says what the files hold.
 
+mod arrays;
+mod block;
 mod file;
+mod labels;
 mod mask;
+pub(crate) mod npy;
 mod nrrd;
+mod sidecar;
 mod slices;
 mod splotch;
 mod texture;
 
-pub use file::{VolumeReadError, VolumeWriteError, read, read_mask, to_nrrd, write, write_mask};
+pub use arrays::ArrayError;
+pub use file::{VolumeReadError, VolumeWriteError, read, read_mask, to_files, to_nrrd, write, write_mask};
+pub use labels::{LabelsError, labels_path};
 pub use mask::AlphaMask;
+pub use npy::NpyError;
 pub use nrrd::NrrdError;
+pub use sidecar::SidecarError;
 pub use slices::SlicesError;
 pub use splotch::SplotchParams;
-pub use texture::{MAX_SIDE, MAX_VOXELS, SolidTexture, VolumeError, checked_voxels};
+pub use texture::{MAX_SIDE, MAX_VOXELS, Particles, SolidTexture, VolumeError, checked_voxels};

@@ -1,7 +1,8 @@
 //! Volumes as a folder of PNG pictures, one for each slice along z: x to the right, y down, row 0 is y = 0.
 //!
 //! Written: `slice-0000.png`, `slice-0001.png` and so on (8-bit RGBA, or grey for masks), and for textures
-//! `volume.json` with the axes along which the texture tiles: `{"tiles": "xz"}`. Read: every `.png` of the
+//! `volume.json` with the axes along which the texture tiles: `{"tiles": "xz"}`. Particle labels are written to
+//! `labels.nrrd` in the folder, which `volume.json` names: `{"tiles": "xz", "labels": "labels.nrrd"}`. Read: every `.png` of the
 //! folder in natural order (`2` before `10`), all of one size: RGB, RGBA, grey or palette with at most 8 bits a
 //! channel; without `volume.json` the texture tiles nowhere. Other files and folders are passed over. Colours
 //! are taken as sRGB, whatever else a picture may say.
@@ -11,13 +12,15 @@ use std::fs;
 use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
-
-use super::nrrd::{axes, parse_axes};
+use super::block::{Block, rgba};
+use super::labels::LabelsError;
+use super::nrrd;
+use super::sidecar::{Sidecar, SidecarError};
 use super::texture::{MAX_SIDE, SolidTexture, VolumeError, checked_voxels};
 use crate::files;
 
 const SIDECAR: &str = "volume.json";
+const LABELS: &str = "labels.nrrd";
 
 /// A folder whose PNG slices do not make a volume.
 #[derive(Debug, thiserror::Error)]
@@ -63,14 +66,11 @@ pub enum SlicesError {
         expected: [u32; 2],
     },
     /// `volume.json` does not say which axes tile.
-    #[error("{SIDECAR} is not as in {{\"tiles\": \"xz\"}}: {0}")]
-    Sidecar(String),
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Sidecar {
-    tiles: String,
+    #[error(transparent)]
+    Sidecar(#[from] SidecarError),
+    /// The labels that `volume.json` names are wrong.
+    #[error(transparent)]
+    Labels(#[from] LabelsError),
 }
 
 pub(super) fn read(folder: &Path) -> Result<SolidTexture, SlicesError> {
@@ -78,7 +78,7 @@ pub(super) fn read(folder: &Path) -> Result<SolidTexture, SlicesError> {
     let Some((first, _)) = slices.first() else {
         return Err(SlicesError::Empty);
     };
-    let tiles = read_sidecar(folder)?;
+    let sidecar = Sidecar::read(&folder.join(SIDECAR))?;
     let mut voxels = Vec::new();
     let mut expected = [0; 2];
     for (name, path) in &slices {
@@ -91,7 +91,8 @@ pub(super) fn read(folder: &Path) -> Result<SolidTexture, SlicesError> {
         }
     }
     let depth = u32::try_from(slices.len()).unwrap_or(u32::MAX);
-    Ok(SolidTexture::new([expected[0], expected[1], depth], voxels, tiles)?)
+    let texture = SolidTexture::new([expected[0], expected[1], depth], voxels, [false; 3])?;
+    Ok(sidecar.apply(texture, folder)?)
 }
 
 /// Name and path of each slice, in natural order of the names.
@@ -140,26 +141,8 @@ fn append(name: &str, bytes: &[u8], depth: u64, voxels: &mut Vec<[u8; 4]>) -> Re
     }
     pixels.truncate(frame.buffer_size());
     let n = frame.color_type.samples();
-    voxels.extend(pixels.chunks_exact(n).map(|p| match *p {
-        [g] => [g, g, g, 255],
-        [g, a] => [g, g, g, a],
-        [r, g, b] => [r, g, b, 255],
-        [r, g, b, a, ..] => [r, g, b, a],
-        [] => [0; 4],
-    }));
+    voxels.extend(pixels.chunks_exact(n).map(rgba));
     Ok([width, height])
-}
-
-fn read_sidecar(folder: &Path) -> Result<[bool; 3], SlicesError> {
-    let bytes = match files::read_whole(&folder.join(SIDECAR)) {
-        Ok(bytes) => bytes,
-        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok([false; 3]),
-        Err(error) => return Err(SlicesError::Io { name: SIDECAR.into(), error }),
-    };
-    let sidecar: Sidecar = serde_json::from_slice(&bytes).map_err(|e| SlicesError::Sidecar(e.to_string()))?;
-    parse_axes(&sidecar.tiles).ok_or_else(|| {
-        SlicesError::Sidecar(format!("{:?} is not made of the letters x, y, z", sidecar.tiles))
-    })
 }
 
 /// Names in the order in which people count: runs of digits compare as numbers.
@@ -197,15 +180,9 @@ fn digits(text: &[u8]) -> usize {
     text.iter().take_while(|c| c.is_ascii_digit()).count()
 }
 
-/// Writes slices of `channels` (4: RGBA, 1: grey) to `folder`, which appears whole or not at all. A folder that
-/// is there is replaced if it holds nothing but a volume's slices.
-pub(super) fn write(
-    folder: &Path,
-    size: [u32; 3],
-    channels: u8,
-    data: &[u8],
-    tiles: Option<[bool; 3]>,
-) -> io::Result<()> {
+/// Writes slices (RGBA or grey) to `folder`, which appears whole or not at all. A folder that is there is replaced if it
+/// holds nothing but a volume's slices.
+pub(super) fn write(folder: &Path, block: &Block<'_>) -> io::Result<()> {
     let there = match fs::symlink_metadata(folder) {
         Ok(about) if about.is_dir() => {
             only_slices(folder)?;
@@ -224,13 +201,17 @@ pub(super) fn write(
     let beside = tempfile::Builder::new().prefix(".lapis-").tempdir_in(parent)?;
     let fresh = beside.path().join("new");
     fs::create_dir(&fresh)?;
-    let slice = size[0] as usize * size[1] as usize * channels as usize;
-    for (k, pixels) in data.chunks_exact(slice).enumerate() {
-        fs::write(fresh.join(format!("slice-{k:04}.png")), encode(size[0], size[1], channels, pixels)?)?;
+    let ([width, height, _], channels) = (block.size, block.channels);
+    let slice = width as usize * height as usize * channels as usize;
+    for (k, pixels) in block.data.chunks_exact(slice).enumerate() {
+        fs::write(fresh.join(format!("slice-{k:04}.png")), encode(width, height, channels, pixels)?)?;
     }
-    if let Some(tiles) = tiles {
-        let sidecar = serde_json::to_string(&Sidecar { tiles: axes(tiles) })?;
-        fs::write(fresh.join(SIDECAR), sidecar + "\n")?;
+    if let Some(labels) = block.labels {
+        fs::write(fresh.join(LABELS), nrrd::encode_labels(block.size, labels))?;
+    }
+    if let Some(tiles) = block.tiles {
+        let sidecar = Sidecar::new(tiles, block.labels.map(|_| LABELS.to_owned()));
+        fs::write(fresh.join(SIDECAR), sidecar.to_bytes())?;
     }
     let old = beside.path().join("old");
     if there {
@@ -250,7 +231,7 @@ fn only_slices(folder: &Path) -> io::Result<()> {
         let name = entry?.file_name().to_string_lossy().into_owned();
         let number = name.strip_prefix("slice-").and_then(|rest| rest.strip_suffix(".png"));
         let ours = number.is_some_and(|n| digits(n.as_bytes()) == n.len());
-        if !ours && name != SIDECAR {
+        if !ours && ![SIDECAR, LABELS].contains(&&*name) {
             let message =
                 format!("the folder holds {name:?}, which is no slice of a volume; give a new folder");
             return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));
@@ -300,7 +281,8 @@ mod tests {
         let folder = dir.path().join("kiwi");
         for count in [12u32, 3] {
             let data: Vec<u8> = (0..2 * 3 * count * 4).map(|i| i as u8).collect();
-            write(&folder, [2, 3, count], 4, &data, Some([true, false, true])).unwrap();
+            let (size, tiles) = ([2, 3, count], Some([true, false, true]));
+            write(&folder, &Block { size, channels: 4, data: &data, tiles, labels: None }).unwrap();
             let t = read(&folder).unwrap();
             assert_eq!((t.size(), t.tiles()), ([2, 3, count], [true, false, true]));
             assert_eq!(t.voxels().as_flattened(), data);
@@ -315,11 +297,12 @@ mod tests {
         let folder = dir.path().join("home");
         fs::create_dir(&folder).unwrap();
         fs::write(folder.join("thesis.txt"), "years").unwrap();
-        let e = write(&folder, [1; 3], 1, &[0], None).unwrap_err();
+        let dot = Block { size: [1; 3], channels: 1, data: &[0], tiles: None, labels: None };
+        let e = write(&folder, &dot).unwrap_err();
         assert!(e.to_string().contains("thesis.txt"));
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
-        assert!(write(&folder.join("thesis.txt"), [1; 3], 1, &[0], None).is_err());
-        assert!(write(&dir.path().join("no/where"), [1; 3], 1, &[0], None).is_err());
+        assert!(write(&folder.join("thesis.txt"), &dot).is_err());
+        assert!(write(&dir.path().join("no/where"), &dot).is_err());
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
     }
 

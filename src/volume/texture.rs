@@ -1,5 +1,7 @@
 //! A voxel block of colours.
 
+use std::collections::HashSet;
+
 use crate::colour::{LinearRgba, linear_table};
 
 /// The most voxels along one axis.
@@ -21,6 +23,14 @@ pub enum VolumeError {
         /// Voxels that are there.
         found: usize,
     },
+    /// More or fewer labels than voxels.
+    #[error("{found} particle labels for {expected} voxels; give one for each")]
+    Labels {
+        /// Voxels of the volume.
+        expected: usize,
+        /// Labels that are there.
+        found: usize,
+    },
 }
 
 /// Checks the sides of a volume *before* anything is allocated and gives the number of voxels.
@@ -40,11 +50,24 @@ pub fn checked_voxels(size: [u64; 3]) -> Result<usize, VolumeError> {
 ///
 /// Memory order is x fastest. Texture space is the unit cube; voxel (i, j, k) has its centre at
 /// ((i+½)/nx, (j+½)/ny, (k+½)/nz). y is the axis along which depth runs.
+///
+/// A texture that is made of particles in a matrix says of each voxel in which particle it lies \[SST 3.2\]: its
+/// label, 0 for the matrix.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SolidTexture {
     size: [u32; 3],
     voxels: Vec<[u8; 4]>,
     tiles: [bool; 3],
+    labels: Option<Vec<u32>>,
+}
+
+/// What the labels of a texture tell of its particles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Particles {
+    /// How many particles have voxels at all: labels that occur, without 0.
+    pub count: usize,
+    /// The share of voxels that lie in a particle, 0 to 1.
+    pub share: f64,
 }
 
 impl SolidTexture {
@@ -57,13 +80,25 @@ impl SolidTexture {
         if voxels.len() != expected {
             return Err(VolumeError::Length { expected, found: voxels.len() });
         }
-        Ok(Self { size, voxels, tiles })
+        Ok(Self { size, voxels, tiles, labels: None })
     }
 
     /// The same texture, wrapping around along the axes that `tiles` says: for files that do not say it.
     #[must_use]
     pub fn with_tiles(self, tiles: [bool; 3]) -> Self {
         Self { tiles, ..self }
+    }
+
+    /// The same texture with a particle label for each voxel, x fastest; 0 is the matrix.
+    ///
+    /// # Errors
+    /// [`VolumeError::Labels`] where there are more or fewer labels than voxels.
+    pub fn with_labels(self, labels: Vec<u32>) -> Result<Self, VolumeError> {
+        let (expected, found) = (self.voxels.len(), labels.len());
+        if found != expected {
+            return Err(VolumeError::Labels { expected, found });
+        }
+        Ok(Self { labels: Some(labels), ..self })
     }
 
     /// Voxels along x, y, z.
@@ -84,15 +119,61 @@ impl SolidTexture {
         self.tiles
     }
 
+    /// The particle labels, x fastest, 0 for the matrix; `None` for a texture that does not know of particles.
+    #[must_use]
+    pub fn labels(&self) -> Option<&[u32]> {
+        self.labels.as_deref()
+    }
+
     /// One voxel.
     ///
     /// # Panics
     /// Outside the block.
     #[must_use]
     pub fn voxel(&self, i: u32, j: u32, k: u32) -> [u8; 4] {
+        self.voxels[self.index(i, j, k)]
+    }
+
+    /// The particle label of one voxel, 0 for the matrix; `None` for a texture without labels.
+    ///
+    /// # Panics
+    /// Outside the block.
+    #[must_use]
+    pub fn label(&self, i: u32, j: u32, k: u32) -> Option<u32> {
+        let at = self.index(i, j, k);
+        self.labels.as_ref().map(|labels| labels[at])
+    }
+
+    fn index(&self, i: u32, j: u32, k: u32) -> usize {
         let [nx, ny, nz] = self.size;
         assert!(i < nx && j < ny && k < nz);
-        self.voxels[((k as usize * ny as usize) + j as usize) * nx as usize + i as usize]
+        ((k as usize * ny as usize) + j as usize) * nx as usize + i as usize
+    }
+
+    /// The particle label at a point of texture space: that of the voxel that weighs most in
+    /// [`SolidTexture::sample`], so wrapped on tiling axes and clamped on the others. `None` for a texture
+    /// without labels.
+    #[must_use]
+    pub fn label_at(&self, uvw: [f32; 3]) -> Option<u32> {
+        let labels = self.labels.as_ref()?;
+        let [x, y, z]: [usize; 3] =
+            std::array::from_fn(|axis| Tap::new(uvw[axis], self.size[axis], self.tiles[axis]).nearest());
+        Some(labels[(z * self.size[1] as usize + y) * self.size[0] as usize + x])
+    }
+
+    /// How many particles there are, and how much of the volume is in them; `None` for a texture without labels.
+    #[must_use]
+    pub fn particles(&self) -> Option<Particles> {
+        let labels = self.labels.as_ref()?;
+        let mut seen = HashSet::new();
+        let mut inside = 0usize;
+        // Neighbours mostly lie in one particle: runs are looked up once.
+        for run in labels.chunk_by(|a, b| a == b).filter(|run| run[0] != 0) {
+            seen.insert(run[0]);
+            inside += run.len();
+        }
+        #[allow(clippy::cast_precision_loss)] // at most 2³⁰ voxels
+        Some(Particles { count: seen.len(), share: inside as f64 / labels.len() as f64 })
     }
 
     /// Trilinear colour at a point of texture space, in linear light: wrapped on tiling axes, clamped
@@ -151,6 +232,11 @@ impl Tap {
             Self { lo, hi: (lo + 1).min(n as usize - 1), t: x - lo as f32 }
         }
     }
+
+    /// The voxel that weighs more; half-way between two, the second.
+    fn nearest(&self) -> usize {
+        if self.t < 0.5 { self.lo } else { self.hi }
+    }
 }
 
 #[cfg(test)]
@@ -188,6 +274,36 @@ mod tests {
         let c = t.sample([0.0, 0.5, 0.25]);
         let (a, b) = (decode(t.voxel(0, 1, 0)), decode(t.voxel(3, 1, 0)));
         assert!((c[0] - 0.5 * (a[0] + b[0])).abs() < 1e-6);
+    }
+
+    #[test]
+    fn labels_belong_to_the_nearest_voxel() {
+        let plain = ramp();
+        assert_eq!((plain.label_at([0.5; 3]), plain.label(0, 0, 0), plain.particles()), (None, None, None));
+        let t = plain.with_labels((100..124).collect()).unwrap();
+        for (at, k) in (0..24u16).flat_map(|at| [0.0, 0.1, 0.49, -0.49].map(|off| (at, off))) {
+            let voxel = [at % 4, at / 4 % 3, at / 12];
+            let uvw = [0, 1, 2].map(|a| (f32::from(voxel[a]) + 0.5 + k) / [4.0, 3.0, 2.0][a]);
+            assert_eq!(t.label_at(uvw), Some(100 + u32::from(at)));
+            let [i, j, k] = voxel.map(u32::from);
+            assert_eq!(t.label(i, j, k), Some(100 + u32::from(at)));
+        }
+        // x wraps, y and z end.
+        assert_eq!(t.label_at([-0.01, -3.0, 9.0]), t.label(3, 0, 1));
+        assert_eq!(t.label_at([1.01, 1.0, 1.0]), t.label(0, 2, 1));
+        assert!(t.label_at([f32::MAX, f32::MIN, f32::NAN]).is_some());
+        assert_eq!(t.clone().with_tiles([true; 3]).labels(), t.labels());
+    }
+
+    #[test]
+    fn particles_are_counted() {
+        let labels: Vec<u32> = [0, 0, 7, 7, 0, 7, u32::MAX, 0].repeat(3);
+        let t = ramp().with_labels(labels).unwrap();
+        assert_eq!(t.particles(), Some(Particles { count: 2, share: 0.5 }));
+        let matrix = ramp().with_labels(vec![0; 24]).unwrap();
+        assert_eq!(matrix.particles(), Some(Particles { count: 0, share: 0.0 }));
+        let error = ramp().with_labels(vec![0; 23]).unwrap_err();
+        assert_eq!(error, VolumeError::Labels { expected: 24, found: 23 });
     }
 
     #[test]

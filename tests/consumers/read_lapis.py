@@ -1,4 +1,4 @@
-"""Recomputes colours from a .lapis file alone, as docs/format.md says, and compares them with `lapis info`.
+"""Recomputes colours and particle labels from a .lapis file alone, as docs/format.md says, and compares them with `lapis info`.
 
 Usage: python read_lapis.py LAPIS MODEL.lapis
 """
@@ -13,7 +13,7 @@ lapis, path = sys.argv[1:]
 with safe_open(path, "numpy") as file:
     a = {name: file.get_tensor(name) for name in file.keys()}
     about = json.loads(file.metadata()["lapis"])
-assert about["format"] == 2
+assert about["format"] == 3
 
 
 def linear(c):
@@ -72,6 +72,38 @@ def colour(tet, barycentric):
     return np.append(srgb(x[:3] / x[3]) if x[3] > 0 else np.zeros(3), 255 * x[3])
 
 
+def particle(tet, barycentric):
+    """Patch and label of the layer that is seen; the label is None where its exemplar has none."""
+    shown, clear = [], 1.0
+    layers = range(a["layer_start"][tet], a["layer_start"][tet + 1])
+    for layer in reversed(layers):
+        uvw = barycentric @ a["layer_uvw"][layer].astype(float)
+        patch = a["layer_patch"][layer]
+        mask = 0.0
+        if (uvw >= 0).all() and (uvw <= 1).all():
+            mask = trilinear(a[f"mask_{a['patch_mask'][patch]}"].astype(float), uvw, "") / 255
+        shown.append((clear * mask, patch, uvw))
+        clear *= 1 - mask
+    if 1 - clear < 1 / 255:
+        weight, patch, uvw = shown[-1]
+    else:
+        weight, patch, uvw = max(shown, key=lambda s: s[0])
+    e = a["patch_exemplar"][patch]
+    # Where two layers show nearly as much as each other, or two voxels are nearly as far, rounding may decide.
+    if sorted((s[0] for s in shown), reverse=True)[1:2] > [weight - 1e-3]:
+        return None
+    if f"labels_{e}" not in a:
+        return int(patch), None
+    block = a[f"labels_{e}"]
+    at = []
+    for axis, n in zip("xyz", block.shape[::-1]):
+        x = uvw["xyz".index(axis)] * n
+        if abs(x - round(x)) < 1e-3:
+            return None
+        at.append(int(np.floor(x)) % n if axis in about["exemplar_tiles"][e] else min(max(int(np.floor(x)), 0), n - 1))
+    return int(patch), int(block[at[2], at[1], at[0]])
+
+
 random = np.random.default_rng(1)
 tets = random.integers(len(a["tets"]), size=40)
 weights = random.dirichlet(np.ones(4) * 2, size=40)
@@ -79,13 +111,19 @@ points = [w @ a["vertices"][a["tets"][t]] for t, w in zip(tets, weights)]
 command = [lapis, "info", path, "--json"] + [f"--at={p[0]!r},{p[1]!r},{p[2]!r}" for p in map(np.ndarray.tolist, points)]
 answers = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)["measures"]["at"]
 worst = 0.0
+told = 0
 for answer, t in zip(answers, tets):
     # A point on a face may be found in the neighbour; colours agree there only where the layers do.
     found, barycentric = answer["tet"], np.array(answer["barycentric"])
     ours = colour(found, barycentric)
     worst = max(worst, np.abs(ours - answer["colour"]).max())
+    seen = particle(found, barycentric)
+    if seen is not None:
+        assert seen == (answer["patch"], answer["label"]), (seen, answer)
+        told += 1
     depth = barycentric @ a["depth"][a["tets"][found]]
     assert abs(depth - answer["depth"]) < 1e-9
 # The program rounds to whole bytes.
 assert worst <= 1.0, f"{path}: colours differ by {worst:.2f}/255"
+assert told > 20, told
 print(f"{path}: {len(points)} colours recomputed, at most {worst:.2f}/255 apart")

@@ -4,6 +4,7 @@ use std::io::{self, Read};
 
 use flate2::read::MultiGzDecoder;
 
+use super::super::labels::plain_name;
 use super::{NrrdError, parse_axes};
 
 /// The longest header that is read, in bytes.
@@ -27,10 +28,12 @@ impl Entry {
 }
 
 /// The fields that matter here, in lower case and without spaces.
-const FIELDS: [&str; 8] =
-    ["type", "dimension", "sizes", "kinds", "encoding", "lineskip", "byteskip", "datafile"];
-/// The key that does.
+const FIELDS: [&str; 9] =
+    ["type", "dimension", "sizes", "kinds", "endian", "encoding", "lineskip", "byteskip", "datafile"];
+/// The key that names the axes along which a texture tiles.
 pub(super) const TILES: &str = "lapis_tiles";
+/// The key that names the file of a texture's particle labels.
+pub(super) const LABELS: &str = "lapis_labels";
 
 pub(super) struct Header {
     entries: Vec<Entry>,
@@ -65,7 +68,7 @@ impl Header {
             let split = text.find(':').map(|at| (&text[..at], &text[at + 1..]));
             let (name, value) = match split {
                 Some((key, rest)) if rest.starts_with('=') => {
-                    (Some(TILES).filter(|&tiles| tiles == key), &rest[1..])
+                    ([TILES, LABELS].into_iter().find(|&known| known == key), &rest[1..])
                 }
                 Some((field, rest)) if rest.starts_with(' ') || rest.is_empty() => {
                     let field = field.replace(' ', "").to_ascii_lowercase();
@@ -196,14 +199,11 @@ fn exactly(found: u64, expected: u64) -> Result<(), NrrdError> {
 
 /// A plain name in the header's own folder: a file from elsewhere must not be able to name just any file.
 pub(super) fn data_file_name(entry: &Entry) -> Result<&str, NrrdError> {
-    let name = entry.value.strip_prefix("./").unwrap_or(&entry.value);
+    let name = entry.value.as_str();
     if name.starts_with("LIST") || name.contains('%') {
         return Err(entry.wrong("volumes in several data files are not read; join them into one file"));
     }
-    if name.is_empty() || name == ".." || name.contains(['/', '\\', ':', '\0']) {
-        return Err(
-            entry.wrong("it must be the plain name of a file in the same folder; move the file there")
-        );
-    }
-    Ok(name)
+    plain_name(name).ok_or_else(|| {
+        entry.wrong("it must be the plain name of a file in the same folder; move the file there")
+    })
 }

@@ -2,20 +2,25 @@
 //!
 //! Written: `type: uint8`, colours as `sizes: 4 nx ny nz` with `kinds: RGBA-color space space space`, masks as
 //! `sizes: nx ny nz`, gzip, the header in the same file. The key `lapis_tiles:=xz` names the axes along which a
-//! texture tiles; its value may be empty, and a file without the key tiles nowhere.
+//! texture tiles; its value may be empty, and a file without the key tiles nowhere. The key
+//! `lapis_labels:=NAME-labels.nrrd` names the file beside it that has the particle labels.
 //!
 //! Read besides: 1 (grey), 2 (grey, alpha) or 3 (RGB) components, on the first axis or on the last; plain
 //! three-dimensional grey; raw and text encodings; the voxels in another file of the same folder. Fields that
 //! do not matter here (spacings, units, endianness of single bytes) are passed over.
 
 mod header;
+mod labels;
 
 use std::io::{self, Write};
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
-use self::header::{Header, MAX_HEADER, TILES, data_file_name};
+use self::header::{Header, LABELS, MAX_HEADER, TILES, data_file_name};
+pub(super) use self::labels::{LabelFile, encode_labels};
+use super::block::{Block, rgba};
+use super::labels::{LabelsError, read as labels_beside};
 use super::texture::{SolidTexture, VolumeError, checked_voxels};
 
 /// Bytes that are not an NRRD volume of 8-bit voxels.
@@ -101,16 +106,42 @@ pub enum NrrdError {
         /// Why not.
         error: io::Error,
     },
+    /// The file that holds the particle labels does not fit.
+    #[error("line {line} of the header, `{LABELS}`: {error}")]
+    Labels {
+        /// Counted from 1.
+        line: usize,
+        /// What is wrong with it.
+        error: LabelsError,
+    },
 }
 
 /// The volume in `bytes`, the content of an NRRD file; `open` reads another file of its folder.
 pub(super) fn decode(
     bytes: &[u8],
-    open: impl FnOnce(&str) -> io::Result<Vec<u8>>,
+    open: impl Fn(&str) -> io::Result<Vec<u8>>,
 ) -> Result<SolidTexture, NrrdError> {
     let header = Header::parse(bytes)?;
     let layout = Layout::new(&header)?;
     let tiles = header.tiles()?;
+    let bytes = data(&header, bytes, layout.bytes, &open)?;
+    let texture = SolidTexture::new(layout.size, layout.voxels(&bytes), tiles);
+    let texture = texture.expect("size and length were checked");
+    let Some(entry) = header.field(LABELS) else {
+        return Ok(texture);
+    };
+    let labels = labels_beside(&entry.value, layout.size, open);
+    let labels = labels.map_err(|error| NrrdError::Labels { line: entry.line, error })?;
+    Ok(texture.with_labels(labels).expect("as many labels as voxels were asked for"))
+}
+
+/// The `expected` bytes of data that a header describes: those that follow it in `bytes`, or another file's.
+fn data(
+    header: &Header,
+    bytes: &[u8],
+    expected: u64,
+    open: impl Fn(&str) -> io::Result<Vec<u8>>,
+) -> Result<Vec<u8>, NrrdError> {
     let elsewhere = match header.field("datafile") {
         Some(entry) => {
             let name = data_file_name(entry)?;
@@ -119,27 +150,35 @@ pub(super) fn decode(
         }
         None => None,
     };
-    let data = elsewhere.as_deref().unwrap_or(&bytes[header.length..]);
-    let bytes = header.unpack(data, layout.bytes)?;
-    Ok(SolidTexture::new(layout.size, layout.voxels(&bytes), tiles).expect("size and length were checked"))
+    header.unpack(elsewhere.as_deref().unwrap_or(&bytes[header.length..]), expected)
 }
 
-/// An NRRD file of `channels` (4: RGBA, 1: grey) 8-bit channels a voxel.
-pub(super) fn encode(size: [u32; 3], channels: u8, data: &[u8], tiles: Option<[bool; 3]>) -> Vec<u8> {
-    let [nx, ny, nz] = size;
+/// An NRRD file of a block; `labels` is the name of the file that has the particle labels.
+pub(super) fn encode(block: &Block<'_>, labels: Option<&str>) -> Vec<u8> {
+    let ([nx, ny, nz], channels) = (block.size, block.channels);
     let mut header = String::from("NRRD0004\ntype: uint8\n");
     header += &match channels {
         1 => format!("dimension: 3\nsizes: {nx} {ny} {nz}\nkinds: space space space\n"),
         _ => format!("dimension: 4\nsizes: {channels} {nx} {ny} {nz}\nkinds: RGBA-color space space space\n"),
     };
     header += "encoding: gzip\n";
-    if let Some(tiles) = tiles {
+    if let Some(tiles) = block.tiles {
         header += &format!("{TILES}:={}\n", axes(tiles));
     }
+    if let Some(labels) = labels {
+        header += &format!("{LABELS}:={labels}\n");
+    }
     header.push('\n');
+    packed(header, [block.data])
+}
+
+/// A header, and after it the gzip data.
+fn packed(header: String, data: impl IntoIterator<Item = impl AsRef<[u8]>>) -> Vec<u8> {
     let mut packed = GzEncoder::new(header.into_bytes(), Compression::default());
     // The header goes before the packed bytes: the encoder writes its own header with the first of them.
-    packed.write_all(data).expect("memory takes all bytes");
+    for bytes in data {
+        packed.write_all(bytes.as_ref()).expect("memory takes all bytes");
+    }
     packed.finish().expect("memory takes all bytes")
 }
 
@@ -214,10 +253,10 @@ impl Layout {
         let at = |v: usize, c: usize| bytes[v * voxel + c * component];
         (0..count)
             .map(|v| match n {
-                1 => [at(v, 0), at(v, 0), at(v, 0), 255],
-                2 => [at(v, 0), at(v, 0), at(v, 0), at(v, 1)],
-                3 => [at(v, 0), at(v, 1), at(v, 2), 255],
-                _ => [at(v, 0), at(v, 1), at(v, 2), at(v, 3)],
+                1 => rgba(&[at(v, 0)]),
+                2 => rgba(&[at(v, 0), at(v, 1)]),
+                3 => rgba(&[at(v, 0), at(v, 1), at(v, 2)]),
+                _ => rgba(&[at(v, 0), at(v, 1), at(v, 2), at(v, 3)]),
             })
             .collect()
     }
@@ -282,20 +321,24 @@ mod tests {
     fn what_is_written_is_read() {
         let data: Vec<u8> = (0..24).map(|i| i * 10).collect();
         for tiles in [[false; 3], [true, false, true], [true; 3]] {
-            let bytes = encode([2, 1, 3], 4, &data, Some(tiles));
+            let block = Block { size: [2, 1, 3], channels: 4, data: &data, tiles: Some(tiles), labels: None };
+            let bytes = encode(&block, None);
             let texture = decode(&bytes, alone).unwrap();
             assert_eq!(texture.size(), [2, 1, 3]);
             assert_eq!(texture.tiles(), tiles);
             assert_eq!(texture.voxels().as_flattened(), data);
         }
-        let grey = decode(&encode([2, 3, 4], 1, &data, None), alone).unwrap();
+        let block = Block { size: [2, 3, 4], channels: 1, data: &data, tiles: None, labels: None };
+        let grey = decode(&encode(&block, None), alone).unwrap();
         assert_eq!(grey.size(), [2, 3, 4]);
         assert_eq!(grey.voxel(1, 2, 3), [230, 230, 230, 255]);
     }
 
     #[test]
     fn the_header_is_the_contract() {
-        let bytes = encode([2, 1, 3], 4, &[0; 24], Some([true, false, true]));
+        let tiles = Some([true, false, true]);
+        let bytes =
+            encode(&Block { size: [2, 1, 3], channels: 4, data: &[0; 24], tiles, labels: None }, None);
         let header = "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 4 2 1 3\nkinds: RGBA-color space space space\n\
                       encoding: gzip\nlapis_tiles:=xz\n\n";
         assert!(bytes.starts_with(header.as_bytes()));

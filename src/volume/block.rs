@@ -1,0 +1,40 @@
+//! Voxels on their way to a file and from one.
+
+use super::mask::AlphaMask;
+use super::texture::SolidTexture;
+
+/// What is written of a volume, in whatever kind of file.
+pub(super) struct Block<'a> {
+    pub(super) size: [u32; 3],
+    /// 4: RGBA, 1: grey.
+    pub(super) channels: u8,
+    /// x fastest, channels side by side.
+    pub(super) data: &'a [u8],
+    /// Of textures, the axes along which they tile.
+    pub(super) tiles: Option<[bool; 3]>,
+    pub(super) labels: Option<&'a [u32]>,
+}
+
+impl<'a> From<&'a SolidTexture> for Block<'a> {
+    fn from(texture: &'a SolidTexture) -> Self {
+        let (data, tiles) = (texture.voxels().as_flattened(), Some(texture.tiles()));
+        Self { size: texture.size(), channels: 4, data, tiles, labels: texture.labels() }
+    }
+}
+
+impl<'a> From<&'a AlphaMask> for Block<'a> {
+    fn from(mask: &'a AlphaMask) -> Self {
+        Self { size: mask.size(), channels: 1, data: mask.alpha(), tiles: None, labels: None }
+    }
+}
+
+/// A voxel of one to four components: grey, grey and alpha, RGB, RGBA.
+pub(super) fn rgba(components: &[u8]) -> [u8; 4] {
+    match *components {
+        [g] => [g, g, g, 255],
+        [g, a] => [g, g, g, a],
+        [r, g, b] => [r, g, b, 255],
+        [r, g, b, a, ..] => [r, g, b, a],
+        [] => [0; 4],
+    }
+}
