@@ -44,20 +44,16 @@ fn weighted(p: &Profile) -> Weighted {
 /// k-means of colours, from the mean of all and the colours farthest from those before (Gonzalez 1985), so that it
 /// needs no chance. An error says how many colours differ, where they are fewer than `k`.
 fn by_colour(points: &[Weighted], k: usize) -> Result<Vec<usize>, usize> {
-    let mut centres = vec![mean(points.iter())];
-    while centres.len() <= k {
-        let far = |p: &Weighted| centres.iter().map(|c| apart(c, &p.0)).fold(f64::INFINITY, f64::min);
-        let next = points.iter().max_by(|a, b| far(a).total_cmp(&far(b)));
-        match next {
-            Some(p) if far(p) > 1e-12 => centres.push(p.0),
+    let middle = [mean(points.iter())];
+    let far =
+        |p: &Weighted, from: &[[f64; 3]]| from.iter().map(|c| apart(c, &p.0)).fold(f64::INFINITY, f64::min);
+    let farthest =
+        |from: &[[f64; 3]]| points.iter().max_by(|a, b| far(a, from).total_cmp(&far(b, from))).map(|p| p.0);
+    let mut centres: Vec<[f64; 3]> = farthest(&middle).into_iter().collect();
+    while centres.len() < k {
+        match farthest(&centres) {
+            Some(next) if !centres.contains(&next) => centres.push(next),
             _ => break,
-        }
-        // The mean of all only led to the first.
-        if centres.len() == 2 && centres[0] != centres[1] {
-            centres.swap_remove(0);
-        }
-        if centres.len() == k {
-            break;
         }
     }
     if centres.len() < k {

@@ -5,7 +5,7 @@ use super::contrast::contrast;
 use super::grid::{Connected, Grid, areas};
 use super::params::{MaskParams, Phase};
 use super::watershed::split;
-use crate::exec::{Cancelled, Exec};
+use crate::exec::Exec;
 use crate::photo::Photograph;
 
 /// Which pixels of a photograph show particles, made by [`make_mask`] or read from a picture by [`given_mask`]. Pixels
@@ -27,6 +27,8 @@ pub struct Mask {
 pub struct MadeBy {
     /// The threshold, in the terms of [`MaskParams::threshold`].
     pub threshold: f64,
+    /// Over how many pixels light was evened out, 0 for not at all: [`MaskParams::even`].
+    pub even: f64,
     /// Whether particles are the phase above it: lighter than the other one, or far from the matrix's colour.
     pub above: bool,
 }
@@ -41,14 +43,10 @@ pub fn make_mask(photo: &Photograph, params: &MaskParams, exec: &Exec) -> Result
         let stage = exec.stage("finding particles", 4);
         let grid = Grid::new(photo.size(), params.tiles.axes());
         let contrast = contrast(photo, params, exec)?;
-        let threshold = match params.threshold {
-            Some(threshold) => threshold,
-            None => contrast.threshold()?,
-        };
         stage.at(1);
         let phase = |above: bool| -> Vec<bool> {
             let pixels = contrast.value.iter().zip(&contrast.opaque);
-            pixels.map(|(&v, &opaque)| opaque && (f64::from(v) >= threshold) == above).collect()
+            pixels.map(|(&v, &opaque)| opaque && (f64::from(v) >= contrast.threshold) == above).collect()
         };
         let above = match params.particles {
             Phase::Light => true,
@@ -65,7 +63,7 @@ pub fn make_mask(photo: &Photograph, params: &MaskParams, exec: &Exec) -> Result
         stage.at(3);
         leave_out_small(grid, &mut inside, params.least)?;
         neither_all_nor_nothing(&inside)?;
-        let made = Some(MadeBy { threshold, above });
+        let made = Some(MadeBy { threshold: contrast.threshold, even: contrast.even, above });
         Ok(Mask { size: photo.size(), tiles: params.tiles.axes(), inside, made })
     })
 }

@@ -50,16 +50,17 @@ pub struct MaskParams {
     #[arg(long, value_name = "COLOUR", conflicts_with = "particles")]
     pub matrix: Option<Colour>,
     /// Where the one phase ends: lightness or, with --matrix, distance to its colour, both in Oklab, 0 to 1; with --even
-    /// how much lighter than the surroundings, -1 to 1 [default: found by Otsu's method]
-    #[arg(long, value_name = "LIGHTNESS", allow_negative_numbers = true)]
+    /// how much more of it than around, -1 to 1 [default: found by Otsu's method]
+    #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub threshold: Option<f64>,
     /// Which phase the particles are: the lighter or the darker one; auto takes the one that is broken up more
     #[arg(long, value_name = "PHASE", value_enum, default_value_t = Self::default().particles)]
     pub particles: Phase,
     /// Even out the light: compare each pixel with the mean within about so many pixels, 1 to 1024, some two particles
-    /// wide; 0 compares all with one threshold
-    #[arg(long, value_name = "PIXELS", default_value_t = Self::default().even)]
-    pub even: f64,
+    /// wide; 0 compares all pixels with one threshold [default: what parts the two phases best; 0 with --matrix or
+    /// --threshold]
+    #[arg(long, value_name = "PIXELS")]
+    pub even: Option<f64>,
     /// Smooth the photograph by a Gaussian of so many pixels before the threshold, 0 to 32
     #[arg(long, value_name = "PIXELS", default_value_t = Self::default().smooth)]
     pub smooth: f64,
@@ -84,10 +85,10 @@ impl Default for MaskParams {
             matrix: None,
             threshold: None,
             particles: Phase::Auto,
-            even: 0.0,
+            even: None,
             smooth: 0.7,
             fill_holes: 0.2,
-            split: 0.7,
+            split: 0.75,
             least: 12,
             tiles: Tiling::None,
         }
@@ -101,10 +102,11 @@ impl MaskParams {
     /// [`ParticleError::Setting`] names the first that is out of its range; [`ParticleError::MatrixAndParticles`].
     pub fn validate(&self) -> Result<(), ParticleError> {
         let threshold = self.threshold.unwrap_or(0.5);
-        let even = self.even == 0.0 || (1.0..=1024.0).contains(&self.even);
+        let even = self.even.unwrap_or(0.0);
+        let evens = even == 0.0 || (1.0..=1024.0).contains(&even);
         let all = [
             ("threshold", threshold, "-1 to 1", (-1.0..=1.0).contains(&threshold)),
-            ("even", self.even, "0, or 1 to 1024", even),
+            ("even", even, "0, or 1 to 1024", evens),
             ("smooth", self.smooth, "0 to 32", (0.0..=32.0).contains(&self.smooth)),
             ("fill_holes", self.fill_holes, "0 to 1", (0.0..=1.0).contains(&self.fill_holes)),
             ("split", self.split, "0 to 1", (0.0..=1.0).contains(&self.split)),
@@ -175,7 +177,7 @@ mod tests {
         };
         let p = MaskParams::default;
         assert_eq!(fault(&MaskParams { threshold: Some(f64::NAN), ..p() }), "threshold");
-        assert_eq!(fault(&MaskParams { even: 0.5, ..p() }), "even");
+        assert_eq!(fault(&MaskParams { even: Some(0.5), ..p() }), "even");
         assert_eq!(fault(&MaskParams { smooth: -1.0, ..p() }), "smooth");
         assert_eq!(fault(&MaskParams { fill_holes: 1.1, ..p() }), "fill_holes");
         assert_eq!(fault(&MaskParams { split: f64::INFINITY, ..p() }), "split");

@@ -120,7 +120,7 @@ struct Body {
 /// Follows each part from pixel to pixel, on beyond the photograph's sides where it tiles.
 fn unwrapped(grid: Grid, labels: &[u32], count: u32) -> Vec<Body> {
     let mut bodies = Vec::with_capacity(count as usize);
-    let mut place: Vec<Option<[i32; 2]>> = vec![None; labels.len()];
+    let mut place: Vec<Option<[i32; 2]>> = vec![None; grid.len()];
     for start in 0..labels.len() {
         if labels[start] == 0 || place[start].is_some() {
             continue;
