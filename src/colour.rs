@@ -1,6 +1,10 @@
 //! 8-bit sRGB in files and memory, linear light in all arithmetic.
 
+mod css;
+
 use std::sync::LazyLock;
+
+pub use css::{Colour, ColourError};
 
 /// Linear light, straight (not premultiplied) alpha: red, green, blue, alpha in \[0, 1\].
 pub type LinearRgba = [f32; 4];

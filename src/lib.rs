@@ -11,6 +11,7 @@
 //! | [`unroll`] | the photograph of a cut fruit straightened out |
 //! | [`volume`] | [`volume::SolidTexture`], [`volume::AlphaMask`] |
 //! | [`synthesis`] | [`volume::SolidTexture`] from photographs |
+//! | [`particles`] | [`particles::Profiles`]: photographs taken apart into particles and matrix |
 //! | [`assess`] | how near a solid texture comes to its photographs |
 //! | [`field`] | depth, direction and scale over a tetrahedral mesh |
 //! | [`lap`] | [`lap::LappedSolid`]: the mesh filled with overlapping patches |
@@ -30,6 +31,7 @@ pub mod lap;
 pub mod mesh;
 pub mod number;
 pub mod paint;
+pub mod particles;
 pub mod photo;
 pub mod project;
 pub mod render;

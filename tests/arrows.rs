@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms, from left to right. Rooms of one group do not use each other, but for the order below.
-const ROOMS: [&str; 19] = [
+const ROOMS: [&str; 20] = [
     "exec",
     "files",
     "colour",
@@ -16,6 +16,7 @@ const ROOMS: [&str; 19] = [
     "mesh",
     "volume",
     "synthesis",
+    "particles",
     "assess",
     "field",
     "lap",

@@ -1,8 +1,10 @@
 //! Photographs: pictures that textures are taken from, in memory and from files.
 
+mod otsu;
 mod read;
 mod shrink;
 
+pub(crate) use otsu::{BINS, otsu};
 pub use read::{PhotoReadError, read};
 
 /// The longest side of a photograph, in pixels.

@@ -6,7 +6,6 @@
 //! solid says; no texture is baked in between. [`Surface`] is the boundary with its smooth normals,
 //! which the exporters share.
 
-mod background;
 mod frame;
 mod light;
 mod overlay;
@@ -24,7 +23,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-pub use background::{Background, BackgroundError};
 pub use frame::{frame_all, frame_all_from};
 pub use params::{MAX_PICTURE_SIDE, PictureSize, PictureSizeError, RenderParams};
 pub use picture::{Difference, Picture, PictureError};

@@ -5,7 +5,8 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Background, RenderError, Show};
+use super::{RenderError, Show};
+use crate::colour::Colour;
 use crate::lap::TextureType;
 
 /// The longest side of a picture, in pixels.
@@ -30,7 +31,7 @@ pub struct RenderParams {
     pub layer: Option<f64>,
     /// Colour behind the solids: #rrggbb, #rrggbbaa, transparent, or a name such as white
     #[arg(long, value_name = "COLOUR", default_value_t = RenderParams::default().background)]
-    pub background: Background,
+    pub background: Colour,
     /// Colour look-ups a pixel: 1, 4 or 16 (edges always have 16 samples)
     #[arg(long, default_value_t = RenderParams::default().samples)]
     pub samples: u32,
@@ -54,7 +55,7 @@ impl Default for RenderParams {
             height: 1024,
             show: Show::Texture,
             layer: None,
-            background: Background::WHITE,
+            background: Colour::WHITE,
             samples: 4,
             light_azimuth_deg: -20.0,
             light_elevation_deg: 36.0,
@@ -169,7 +170,7 @@ mod tests {
     #[test]
     fn a_project_file_can_set_them() {
         let p: RenderParams = toml::from_str("width = 320\nbackground = \"#102030\"").unwrap();
-        assert_eq!((p.width, p.background), (320, Background([16, 32, 48, 255])));
+        assert_eq!((p.width, p.background), (320, Colour([16, 32, 48, 255])));
         assert!(toml::from_str::<RenderParams>("widht = 320").is_err());
         let text = toml::to_string(&p).unwrap();
         assert_eq!(toml::from_str::<RenderParams>(&text).unwrap(), p);

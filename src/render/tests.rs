@@ -1,12 +1,12 @@
 use super::*;
-use crate::colour::{decode, encode};
+use crate::colour::{Colour, decode, encode};
 
 fn looking_at_origin(eye: DVec3) -> Camera {
     Camera { eye, target: DVec3::ZERO, up: DVec3::Z, fov_y_deg: 30.0, aspect: 1.0 }
 }
 
 fn small(width: u32, height: u32) -> RenderParams {
-    RenderParams { width, height, background: Background::TRANSPARENT, ..Default::default() }
+    RenderParams { width, height, background: Colour::TRANSPARENT, ..Default::default() }
 }
 
 fn draw(solid: &LappedSolid, camera: &Camera, params: &RenderParams) -> Picture {
@@ -142,7 +142,7 @@ fn clear_colours_show_the_background() {
     let clear = crate::volume::SolidTexture::new([1; 3], vec![[255, 0, 0, 128]], [false; 3]).unwrap();
     cube.exemplars = vec![std::sync::Arc::new(clear)];
     let camera = looking_at_origin(DVec3::new(0.0, -8.0, 0.0));
-    let params = RenderParams { shading: 0.0, background: Background([0, 0, 255, 255]), ..small(20, 20) };
+    let params = RenderParams { shading: 0.0, background: Colour([0, 0, 255, 255]), ..small(20, 20) };
     let found = draw(&cube, &camera, &params).pixel(10, 10);
     let a = 128.0 / 255.0;
     let expected = encode([a, 0.0, 1.0 - a, 1.0]);

@@ -2,14 +2,12 @@
 
 use super::UnrollError;
 use crate::colour::{decode, oklab};
-use crate::photo::Photograph;
+use crate::photo::{BINS, Photograph, otsu};
 
 /// The fewest pixels along each side of a photograph.
 pub(super) const MIN_SIDE: u32 = 16;
 /// The outline is found at no more than this many pixels a side: finer is noise.
 pub(super) const MAX_GRID: u32 = 1024;
-/// Bins of the histogram that is split in two.
-const BINS: usize = 256;
 /// What is taken for one colour, in Oklab.
 const LEAST_CONTRAST: f32 = 0.03;
 
@@ -81,29 +79,6 @@ fn by_colour(photo: &Photograph) -> Result<Grid, UnrollError> {
     let threshold = otsu(&histogram);
     grid.inside = distance.iter().map(|&d| bin(d) > threshold).collect();
     Ok(grid)
-}
-
-/// The last bin of the lower class, by the greatest variance between two classes (Otsu 1979).
-fn otsu(histogram: &[usize; BINS]) -> usize {
-    let all: f64 = histogram.iter().map(|&n| n as f64).sum();
-    let total: f64 = histogram.iter().enumerate().map(|(i, &n)| i as f64 * n as f64).sum();
-    let (mut below, mut sum) = (0.0, 0.0);
-    // Where several bins between the classes are empty, all of them are best: their middle is taken.
-    let (mut best, mut first, mut last) = (-1.0, 0, 0);
-    for (i, &n) in histogram.iter().enumerate() {
-        below += n as f64;
-        sum += i as f64 * n as f64;
-        if below == 0.0 || below == all {
-            continue;
-        }
-        let between = (total * below / all - sum).powi(2) / (below * (all - below));
-        if between > best * (1.0 + 1e-12) {
-            (best, first, last) = (between, i, i);
-        } else if between >= best * (1.0 - 1e-12) {
-            last = i;
-        }
-    }
-    usize::midpoint(first, last)
 }
 
 impl Grid {
@@ -179,16 +154,6 @@ fn flood(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn otsu_splits_two_heaps() {
-        let mut histogram = [0; BINS];
-        histogram[10] = 500;
-        histogram[12] = 300;
-        histogram[200] = 100;
-        histogram[210] = 150;
-        assert!((12..200).contains(&otsu(&histogram)));
-    }
 
     #[test]
     fn the_largest_part_has_no_holes() {

@@ -1,10 +1,10 @@
 use glam::DVec3;
 
 use super::*;
-use crate::colour::{decode, encode};
+use crate::colour::{Colour, decode, encode};
 use crate::lap::{Fields, unfilled};
 use crate::mesh::TetMesh;
-use crate::render::{Background, Picture, render, testing};
+use crate::render::{Picture, render, testing};
 use crate::view::Camera;
 
 /// A box −1…1 with depth (1 + z) / 2 and a direction.
@@ -31,7 +31,7 @@ fn params(show: Show, side: u32) -> RenderParams {
         height: side,
         show,
         shading: 0.0,
-        background: Background::WHITE,
+        background: Colour::WHITE,
         ..Default::default()
     }
 }

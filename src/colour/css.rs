@@ -1,17 +1,17 @@
-//! The colour behind the solids.
+//! Colours in words and digits, as CSS writes them.
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-/// A background colour: 8-bit sRGB with straight alpha. Written as in CSS: `#rgb`, `#rgba`, `#rrggbb`,
+/// A colour: 8-bit sRGB with straight alpha. Written as in CSS: `#rgb`, `#rgba`, `#rrggbb`,
 /// `#rrggbbaa`, or one of CSS's basic names or `transparent`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
-pub struct Background(pub [u8; 4]);
+pub struct Colour(pub [u8; 4]);
 
-impl Background {
+impl Colour {
     /// Opaque white.
     pub const WHITE: Self = Self([255; 4]);
     /// Nothing at all.
@@ -21,7 +21,7 @@ impl Background {
 /// A colour that nobody knows.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is no colour; write #rrggbb, #rrggbbaa, transparent, or a name such as white, black, grey")]
-pub struct BackgroundError(pub String);
+pub struct ColourError(pub String);
 
 const NAMES: [(&str, [u8; 4]); 19] = [
     ("transparent", [0; 4]),
@@ -45,15 +45,15 @@ const NAMES: [(&str, [u8; 4]); 19] = [
     ("aqua", [0, 255, 255, 255]),
 ];
 
-impl FromStr for Background {
-    type Err = BackgroundError;
+impl FromStr for Colour {
+    type Err = ColourError;
 
-    fn from_str(text: &str) -> Result<Self, BackgroundError> {
+    fn from_str(text: &str) -> Result<Self, ColourError> {
         let lower = text.trim().to_ascii_lowercase();
         if let Some((_, colour)) = NAMES.iter().find(|(name, _)| *name == lower) {
             return Ok(Self(*colour));
         }
-        lower.strip_prefix('#').and_then(hex).map(Self).ok_or_else(|| BackgroundError(text.to_owned()))
+        lower.strip_prefix('#').and_then(hex).map(Self).ok_or_else(|| ColourError(text.to_owned()))
     }
 }
 
@@ -68,7 +68,7 @@ fn hex(digits: &str) -> Option<[u8; 4]> {
     Some([channels[0], channels[1], channels[2], channels.get(3).copied().unwrap_or(255)])
 }
 
-impl fmt::Display for Background {
+impl fmt::Display for Colour {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [r, g, b, a] = self.0;
         if let Some((name, _)) = NAMES[..3].iter().find(|(_, colour)| *colour == self.0) {
@@ -81,17 +81,17 @@ impl fmt::Display for Background {
     }
 }
 
-impl TryFrom<String> for Background {
-    type Error = BackgroundError;
+impl TryFrom<String> for Colour {
+    type Error = ColourError;
 
-    fn try_from(text: String) -> Result<Self, BackgroundError> {
+    fn try_from(text: String) -> Result<Self, ColourError> {
         text.parse()
     }
 }
 
-impl From<Background> for String {
-    fn from(background: Background) -> Self {
-        background.to_string()
+impl From<Colour> for String {
+    fn from(colour: Colour) -> Self {
+        colour.to_string()
     }
 }
 
@@ -110,17 +110,17 @@ mod tests {
             ("transparent", [0; 4], "transparent"),
             ("teal", [0, 128, 128, 255], "#008080"),
         ] {
-            let b: Background = text.parse().unwrap();
-            assert_eq!(b.0, colour, "{text}");
-            assert_eq!(b.to_string(), written);
-            assert_eq!(written.parse::<Background>().unwrap(), b);
+            let c: Colour = text.parse().unwrap();
+            assert_eq!(c.0, colour, "{text}");
+            assert_eq!(c.to_string(), written);
+            assert_eq!(written.parse::<Colour>().unwrap(), c);
         }
     }
 
     #[test]
     fn other_words_are_refused() {
         for text in ["", "#", "#12", "#12345", "#gggggg", "whit", "#ééé", "ffffff"] {
-            assert!(text.parse::<Background>().is_err(), "{text}");
+            assert!(text.parse::<Colour>().is_err(), "{text}");
         }
     }
 }
