@@ -89,4 +89,64 @@ pub enum ParticleError {
         /// `colours` or `sizes`.
         what: &'static str,
     },
+    /// Particles are seen in one direction only.
+    #[error(
+        "photographs are given for one direction only, and a particle is known by what is seen of it in two at least: give \
+         one for another axis, too, or one without an axis, which serves all three"
+    )]
+    OneDirection,
+    /// No cross-sections of the photographs agree.
+    #[error(
+        "the photographs contradict each other: of all cross-sections that could be of one particle, the best disagree by \
+         {least:.3} of the largest difference that there can be, and at most {most} is asked for; give photographs of one \
+         material whose particles have the same sizes in all directions that they share, leave a direction out, or allow \
+         a larger error"
+    )]
+    Contradiction {
+        /// The least error of all that were tried.
+        least: f64,
+        /// The largest that is allowed.
+        most: f64,
+    },
+    /// No particle can be swept from its cross-sections.
+    #[error(
+        "none of the {0} particles that were tried can be built: no cross-section is seen whole from its centre; split what \
+         touches in the mask, or smooth it"
+    )]
+    Complicated(usize),
+    /// A lattice is asked for, and a photograph has none.
+    #[error(
+        "a lattice is asked for, but the photograph across {axis} shows none along its rows, or there is no photograph across it; \
+         a lattice needs one across x and one across z: use another order"
+    )]
+    NoLattice {
+        /// The axis that the photograph's slices are perpendicular to.
+        axis: crate::synthesis::Axis,
+    },
+    /// Two lattices that cannot be one.
+    #[error(
+        "a lattice is asked for, but the photographs across x and z contradict each other: their courses are {x:.1} and {z:.1} \
+         voxels high; use photographs of one scale, or another order"
+    )]
+    Courses {
+        /// The height of a course in the photograph across x.
+        x: f64,
+        /// That in the photograph across z.
+        z: f64,
+    },
+    /// Two lattices without common courses.
+    #[error(
+        "a lattice is asked for, but no courses of the photographs across x and z lie at the same heights; use other \
+         photographs, or another order"
+    )]
+    Levels,
+    /// A volume whose voxels belong to no particles.
+    #[error("the volume has no particle labels, so that particles and matrix cannot be told apart")]
+    NoLabels,
+    /// No such volume.
+    #[error(transparent)]
+    Volume(#[from] crate::volume::VolumeError),
+    /// The matrix could not be made.
+    #[error("the matrix between the particles: {0}")]
+    Matrix(#[from] crate::synthesis::SynthesisError),
 }

@@ -132,7 +132,7 @@ mod tests {
         let all = near(&voxels, [9, 7, 2], [Axis::X, Axis::Y]);
         for (n, found) in all.iter().enumerate() {
             let (x, y, z) = (n % 9, n / 9 % 7, n / 63);
-            let d = |a: usize, b: usize, n: usize| (a + n - b).min(b + n - a) .min(a.abs_diff(b));
+            let d = |a: usize, b: usize, n: usize| (a + n - b).min(b + n - a).min(a.abs_diff(b));
             assert_eq!(*found, z == 0 && d(x, 1, 9) <= 2 && d(y, 3, 7) <= 2, "{x} {y} {z}");
         }
     }
@@ -142,12 +142,17 @@ mod tests {
         // A chequered matrix with red squares in it.
         let pixel = |n: usize| {
             let (x, y) = (n % 32, n / 32);
-            if x % 8 < 4 && y % 8 < 4 { [200, 0, 0, 255] } else { [0, 0, 100 + 100 * ((x + y) % 2) as u8, 255] }
+            if x % 8 < 4 && y % 8 < 4 {
+                [200, 0, 0, 255]
+            } else {
+                [0, 0, 100 + 100 * ((x + y) % 2) as u8, 255]
+            }
         };
         let photo = Photograph::new([32, 32], (0..1024).map(pixel).collect()).unwrap();
         let red = |p: &[u8; 4]| p[0] > 0;
         let grey = |on: bool| if on { [255; 4] } else { [0, 0, 0, 255] };
-        let matrix = Photograph::new([32, 32], photo.pixels().iter().map(|p| grey(!red(p))).collect()).unwrap();
+        let matrix =
+            Photograph::new([32, 32], photo.pixels().iter().map(|p| grey(!red(p))).collect()).unwrap();
         let mask = Photograph::new([32, 32], photo.pixels().iter().map(|p| grey(red(p))).collect()).unwrap();
         let exemplar = Exemplar { photo: &photo, target: Some(&matrix), feature: Some(Feature::Mask(&mask)) };
         let exemplars = Exemplars::one(exemplar, None);

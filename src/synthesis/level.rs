@@ -216,7 +216,11 @@ impl Level {
 
     /// A list with an entry for each voxel: what `find` says where the voxel's neighbourhood fits into the volume,
     /// else [`NOWHERE`].
-    pub(super) fn sites(&self, axis: Axis, find: impl Fn([usize; 3], &mut ChaCha8Rng) -> u32 + Sync) -> Vec<u32> {
+    pub(super) fn sites(
+        &self,
+        axis: Axis,
+        find: impl Fn([usize; 3], &mut ChaCha8Rng) -> u32 + Sync,
+    ) -> Vec<u32> {
         let nx = self.lattice.size[0];
         let mut list = vec![NOWHERE; self.lattice.voxels()];
         list.par_chunks_mut(nx).enumerate().for_each(|(row, line)| {

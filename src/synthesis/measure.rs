@@ -23,7 +23,8 @@ pub(super) fn coverage(counts: &[u32]) -> f64 {
 
 /// For each axis along which the texture tiles, the mean step of colour from its last layer to its first, over that
 /// between layers inside; `None` along others.
-pub(super) fn seams(texture: &SolidTexture) -> [Option<f64>; 3] {
+#[must_use]
+pub fn wrap_seam(texture: &SolidTexture) -> [Option<f64>; 3] {
     let size = texture.size().map(|n| n as usize);
     let voxels = texture.voxels();
     let strides = [1, size[0], size[0] * size[1]];
@@ -53,7 +54,7 @@ impl SynthesisReport {
     pub(super) fn measure(&mut self, texture: &SolidTexture, counts: &[u32]) {
         self.position_entropy = entropy(counts);
         self.position_coverage = coverage(counts);
-        self.wrap_seam = seams(texture).into_iter().flatten().reduce(f64::max);
+        self.wrap_seam = wrap_seam(texture).into_iter().flatten().reduce(f64::max);
     }
 }
 
@@ -74,7 +75,7 @@ mod tests {
         // A ramp along x steps by 10 inside and by 70 at its seam.
         let voxels = (0..8 * 4 * 4).map(|n| [(n % 8 * 10) as u8, 0, 0, 255]).collect();
         let texture = SolidTexture::new([8, 4, 4], voxels, [true, true, false]).unwrap();
-        let [x, y, z] = seams(&texture);
+        let [x, y, z] = wrap_seam(&texture);
         assert!((x.unwrap() - 7.0).abs() < 1e-9);
         assert_eq!((y, z), (Some(1.0), None));
     }

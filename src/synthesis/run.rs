@@ -204,7 +204,20 @@ pub(super) fn level(
     let repetition = Level::repetition(&atlas, &windows, photo_of);
     let grid = Grid::new(&lattice, width);
     let free = None;
-    Ok(Level { number, atlas, windows, width, lattice, grid, finest, repetition, photo_of, depth, free, seed })
+    Ok(Level {
+        number,
+        atlas,
+        windows,
+        width,
+        lattice,
+        grid,
+        finest,
+        repetition,
+        photo_of,
+        depth,
+        free,
+        seed,
+    })
 }
 
 /// Passes of a level, each over a part of its neighbourhoods: many where structure is found, few where it is refined.
@@ -255,7 +268,8 @@ pub(super) fn improve(
     let mut pass = Pass { number: 0, stage: &stage, rows: 0 };
     for (axis, _) in level.directions() {
         let a = axis.index();
-        let open = state.index[a].iter().enumerate().filter(|&(n, &p)| p != NOWHERE && level.is_open(axis, n));
+        let open =
+            state.index[a].iter().enumerate().filter(|&(n, &p)| p != NOWHERE && level.is_open(axis, n));
         open.for_each(|(_, &p)| index[a].add(p));
     }
     if unsettled {

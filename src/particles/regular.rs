@@ -1,0 +1,166 @@
+//! The lattice that a photograph's profiles lie on, where they lie on one: found by the autocorrelation of their centres.
+
+use glam::DVec2;
+
+use super::view::View;
+
+/// Differences between centres that are told apart: parts of the mean distance of neighbours.
+const NEAR: f64 = 0.2;
+/// The part of the centres that a lattice vector must take to other centres.
+const KEPT: f64 = 0.7;
+/// Profiles of a cell, at most: beyond, a lattice says nothing.
+const MOST_SITES: usize = 6;
+/// Lattice vectors are no longer than so many mean distances.
+const LONGEST: f64 = 6.0;
+/// Centres from which vectors are tried.
+const STARTS: usize = 6;
+
+/// One of the places of a cell, and the profiles that lie there in the photograph.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Site {
+    /// From the cell's corner, in the photograph's own pixels.
+    pub(super) at: DVec2,
+    /// All profiles there, complete or not.
+    pub(super) profiles: Vec<usize>,
+}
+
+/// Rows of cells along the photograph's rows, each row a step below the last and shifted along it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Rows {
+    /// The length of a cell, to the right.
+    pub(super) along: f64,
+    /// From a row to the next: to the right and down.
+    pub(super) step: DVec2,
+    /// The places of a cell.
+    pub(super) sites: Vec<Site>,
+    /// The part of the centres that both vectors take to other centres.
+    pub(super) kept: f64,
+}
+
+/// The lattice of a photograph's profiles, in rows along its own rows.
+pub(super) fn rows(view: &View) -> Option<Rows> {
+    let centres: Vec<DVec2> = view.profiles.all.iter().map(|p| p.centroid).collect();
+    let size = DVec2::new(f64::from(view.profiles.size[0]), f64::from(view.profiles.size[1]));
+    let board = Board { centres: &centres, size, tiles: view.profiles.tiles };
+    if centres.len() < 6 {
+        return None;
+    }
+    let mean = (size.x * size.y / centres.len() as f64).sqrt();
+    let vectors = board.vectors(mean);
+    // The shortest along the row, and the lowest step to another row.
+    let level = |v: &DVec2| v.y.abs() < NEAR * mean;
+    let along =
+        vectors.iter().map(|v| v.0).filter(|v| level(v) && v.x > 0.0).min_by(|a, b| a.x.total_cmp(&b.x))?;
+    let below = vectors.iter().map(|v| v.0).filter(|v| !level(v) && v.y > 0.0);
+    let step = below.min_by(|a, b| {
+        (a.y, a.x.abs()).partial_cmp(&(b.y, b.x.abs())).unwrap_or(std::cmp::Ordering::Equal)
+    })?;
+    let step = DVec2::new(step.x.rem_euclid(along.x), step.y);
+    let kept = board.kept(along, mean).min(board.kept(step, mean));
+    let sites = sites(&centres, along.x, step, mean)?;
+    Some(Rows { along: along.x, step, sites, kept })
+}
+
+struct Board<'a> {
+    centres: &'a [DVec2],
+    size: DVec2,
+    tiles: [bool; 2],
+}
+
+impl Board<'_> {
+    /// The nearest centre to a point, and the way there; none where the point is beyond the photograph.
+    fn nearest(&self, p: DVec2) -> Option<DVec2> {
+        let beyond = |k: usize| !self.tiles[k] && (p[k] < 0.0 || p[k] > self.size[k]);
+        if beyond(0) || beyond(1) {
+            return None;
+        }
+        let way = |c: &DVec2| {
+            let mut d = *c - p;
+            for k in 0..2 {
+                if self.tiles[k] {
+                    d[k] -= self.size[k] * (d[k] / self.size[k]).round();
+                }
+            }
+            d
+        };
+        self.centres.iter().map(way).min_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))
+    }
+
+    /// The part of the centres that a vector takes to another, of those that it leaves within the photograph.
+    fn kept(&self, v: DVec2, mean: f64) -> f64 {
+        let ends: Vec<DVec2> = self.centres.iter().filter_map(|&c| self.nearest(c + v)).collect();
+        if ends.len() * 4 < self.centres.len() {
+            return 0.0;
+        }
+        ends.iter().filter(|d| d.length() < NEAR * mean).count() as f64 / ends.len() as f64
+    }
+
+    /// Vectors that take most centres to centres, each as the mean of what they are taken by.
+    fn vectors(&self, mean: f64) -> Vec<(DVec2, f64)> {
+        let mut found: Vec<(DVec2, f64)> = Vec::new();
+        for &from in self.centres.iter().take(STARTS) {
+            for &to in self.centres {
+                let mut v = to - from;
+                for k in 0..2 {
+                    if self.tiles[k] {
+                        v[k] -= self.size[k] * (v[k] / self.size[k]).round();
+                    }
+                }
+                for v in [v, -v] {
+                    // Of a vector and its opposite one is enough.
+                    let above = v.y < -NEAR * mean || (v.y < NEAR * mean && v.x < 0.0);
+                    let length = v.length();
+                    let known = || found.iter().any(|f| f.0.distance(v) < NEAR * mean);
+                    if above || length < 0.5 * mean || length > LONGEST * mean || known() {
+                        continue;
+                    }
+                    // To where the centres really are.
+                    let mut mended = v;
+                    for _ in 0..2 {
+                        let near = self.centres.iter().filter_map(|&c| self.nearest(c + mended));
+                        let near: Vec<DVec2> = near.filter(|d| d.length() < NEAR * mean).collect();
+                        mended += near.iter().sum::<DVec2>() / near.len().max(1) as f64;
+                    }
+                    let kept = self.kept(mended, mean);
+                    if kept >= KEPT && found.iter().all(|f| f.0.distance(mended) >= NEAR * mean) {
+                        found.push((mended, kept));
+                    }
+                }
+            }
+        }
+        found
+    }
+}
+
+/// The places of a cell: centres moved into one cell, those near each other together.
+fn sites(centres: &[DVec2], along: f64, step: DVec2, mean: f64) -> Option<Vec<Site>> {
+    let mut sites: Vec<Site> = Vec::new();
+    let reduced = |p: DVec2| {
+        let row = (p.y / step.y).floor();
+        let p = p - step * row;
+        DVec2::new(p.x.rem_euclid(along), p.y)
+    };
+    let way = |a: DVec2, b: DVec2| {
+        let d = b - a;
+        let row = (d.y / step.y).round();
+        let d = d - step * row;
+        DVec2::new(d.x - along * (d.x / along).round(), d.y)
+    };
+    for (n, &c) in centres.iter().enumerate() {
+        let near = sites.iter().position(|s| way(s.at, c).length() < 2.0 * NEAR * mean);
+        match near {
+            Some(near) => {
+                let site = &mut sites[near];
+                site.profiles.push(n);
+                let d = way(site.at, c);
+                site.at += d / site.profiles.len() as f64;
+            }
+            None if sites.len() == 4 * MOST_SITES => return None,
+            None => sites.push(Site { at: reduced(c), profiles: vec![n] }),
+        }
+    }
+    // What is rare is a flaw of the photograph.
+    let usual = sites.iter().map(|s| s.profiles.len()).max()?;
+    sites.retain(|s| s.profiles.len() * 3 >= usual);
+    (sites.len() <= MOST_SITES).then_some(sites)
+}

@@ -1,0 +1,92 @@
+//! What was made of photographs, in numbers.
+
+use serde::Serialize;
+
+use super::measure::{components, nearest_of_profiles, nearest_on_slices};
+use super::space::Space;
+use super::view::View;
+use crate::synthesis::{Axis, wrap_seam};
+use crate::volume::SolidTexture;
+
+/// What was made of the photographs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ParticleReport {
+    /// Particles of the volume.
+    pub particles: usize,
+    /// Different ones that there were to choose from.
+    pub stock: usize,
+    /// Triples of profiles that there could be.
+    pub triples_possible: u64,
+    /// How many of them were aligned.
+    pub triples_aligned: usize,
+    /// How many agreed.
+    pub triples_kept: usize,
+    /// Voxels that two particles had at placement; 0 but on a lattice, where the smaller of two that meet gives way.
+    pub overlap: usize,
+    /// The part of the photographs that is particles, the mean of the directions.
+    pub fraction_photographs: f64,
+    /// That of the volume as particles were placed.
+    pub fraction_placed: f64,
+    /// That of the volume in the end.
+    pub fraction: f64,
+    /// For slices across x, y and z, the mean distance of nearest profiles over that in the photograph, stretched as the lattice
+    /// is.
+    pub nearest: [Option<f64>; 3],
+    /// Connected parts of what is not matrix.
+    pub components: usize,
+    /// The largest of them over the largest particle.
+    pub largest_component: f64,
+    /// The step of colour across the wrap over that inside, the largest of the axes.
+    pub wrap_seam: Option<f64>,
+    /// The part of the profiles that lie on a lattice, where particles were put on one.
+    pub lattice: Option<f64>,
+    /// On a lattice, particles that had to be made smaller to fit.
+    pub smaller: usize,
+    /// By how much photographs were stretched along x, y and z so that a lattice fits the volume.
+    pub stretch: [f64; 3],
+    /// By how much particles are larger than their profiles, since slices do not meet them in their middles.
+    pub enlargement: f64,
+}
+
+impl Default for ParticleReport {
+    fn default() -> Self {
+        Self {
+            particles: 0,
+            stock: 0,
+            triples_possible: 0,
+            triples_aligned: 0,
+            triples_kept: 0,
+            overlap: 0,
+            fraction_photographs: 0.0,
+            fraction_placed: 0.0,
+            fraction: 0.0,
+            nearest: [None; 3],
+            components: 0,
+            largest_component: 0.0,
+            wrap_seam: None,
+            lattice: None,
+            smaller: 0,
+            stretch: [1.0; 3],
+            enlargement: 1.0,
+        }
+    }
+}
+
+impl ParticleReport {
+    /// Measures particles.
+    pub(super) fn measure(&mut self, space: &Space, views: [Option<&View>; 3], particles: usize) {
+        self.fraction = space.fraction();
+        self.nearest = Axis::ALL.map(|axis| {
+            let view = views[axis.index()]?;
+            // As large as slices show it, not as large as particles are made.
+            let scale = 0.5 * (view.scale.x + view.scale.y) / self.enlargement;
+            Some(nearest_on_slices(space, axis)? / (nearest_of_profiles(&view.profiles)? * scale))
+        });
+        (self.components, self.largest_component) = components(space, particles);
+    }
+
+    /// Measures the volume's colours.
+    pub(super) fn measure_colours(&mut self, texture: &SolidTexture) {
+        self.wrap_seam = wrap_seam(texture).into_iter().flatten().reduce(f64::max);
+    }
+}

@@ -1,0 +1,107 @@
+//! The particles that there are to choose from.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::align::section;
+use super::shape::Shape;
+use super::triple::{Triple, Triples};
+use super::view::View;
+use super::volume_params::ParticleParams;
+
+/// A particle that can be placed.
+#[derive(Debug, Clone)]
+pub(super) struct Stocked {
+    pub(super) triple: Triple,
+    pub(super) shape: Shape,
+    /// The voxels inside as it is placed, its centre in a voxel's middle: steps from there along x, y, z.
+    pub(super) stencil: Vec<[i16; 3]>,
+}
+
+/// All of them, from the best agreement of cross-sections to the worst.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Stock {
+    pub(super) all: Vec<Stocked>,
+    /// By axis and profile: those that have it as a cross-section, the best first.
+    pub(super) with_profile: [Vec<Vec<usize>>; 3],
+    /// Triples whose sections are too complicated: none is star-shaped.
+    pub(super) complicated: usize,
+}
+
+impl Stock {
+    /// Builds particles of the best triples, about as many for each profile. They are placed smaller than they are by the factor
+    /// `placed`.
+    pub(super) fn new(
+        views: [Option<&View>; 3],
+        triples: &Triples,
+        params: &ParticleParams,
+        placed: f64,
+    ) -> Self {
+        let profiles = views.map(|v| v.map_or(0, |v| v.profiles.all.len()));
+        let complete: usize = views.iter().flatten().map(|v| v.complete.len()).sum();
+        let each = params.stock.div_ceil(complete.max(1)).max(1);
+        let mut uses = profiles.map(|n| vec![0; n]);
+        let mut chosen = Vec::new();
+        for triple in &triples.kept {
+            let used = |a: usize, n: usize, uses: &[Vec<usize>; 3]| uses[a][n] < each;
+            let sections = || (0..3).filter_map(|a| triple.sections[a].map(|(n, _)| (a, n)));
+            // Worth having as long as one of its profiles has too few.
+            if sections().any(|(a, n)| used(a, n, &uses)) {
+                sections().for_each(|(a, n)| uses[a][n] += 1);
+                chosen.push(*triple);
+            }
+        }
+        let built: Vec<Option<Stocked>> = chosen.par_iter().map(|t| stocked(views, t, placed)).collect();
+        let complicated = built.iter().filter(|b| b.is_none()).count();
+        let all: Vec<Stocked> = built.into_iter().flatten().collect();
+        let mut with_profile = profiles.map(|n| vec![Vec::new(); n]);
+        for (k, stocked) in all.iter().enumerate() {
+            for a in 0..3 {
+                if let Some((n, _)) = stocked.triple.sections[a] {
+                    with_profile[a][n].push(k);
+                }
+            }
+        }
+        Self { all, with_profile, complicated }
+    }
+}
+
+/// The particle of a triple; none where it is too complicated.
+fn stocked(views: [Option<&View>; 3], triple: &Triple, placed: f64) -> Option<Stocked> {
+    let sections = [0, 1, 2].map(|a| Some(section(views[a]?, triple.sections[a]?.0, triple.sections[a]?.1)));
+    let shape = Shape::new(sections)?;
+    let bounds = shape.bounds().map(|b| b.map(|r| (r * placed).ceil() as i32));
+    let mut stencil = Vec::new();
+    for z in -bounds[2][0]..=bounds[2][1] {
+        for y in -bounds[1][0]..=bounds[1][1] {
+            for x in -bounds[0][0]..=bounds[0][1] {
+                let p = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
+                if shape.seen(p / placed).is_some() {
+                    stencil.push([x as i16, y as i16, z as i16]);
+                }
+            }
+        }
+    }
+    (!stencil.is_empty()).then_some(Stocked { triple: *triple, shape, stencil })
+}
+
+impl Stocked {
+    /// The pixel that shows a point of the particle: of those of its cross-sections the one nearest to their mean
+    /// \[SST 3.1\]; none outside.
+    pub(super) fn source(&self, p: DVec3, views: [Option<&View>; 3]) -> Option<u32> {
+        let seen = self.shape.seen(p)?;
+        let mut found = [(0, [0.0; 3]); 3];
+        let mut count = 0;
+        for a in 0..3 {
+            if let (Some(view), Some((profile, place))) = (views[a], self.triple.sections[a]) {
+                let pixel = section(view, profile, place).pixel(seen.points[a]);
+                found[count] = (pixel, view.rgb(pixel));
+                count += 1;
+            }
+        }
+        let found = &found[..count];
+        let mean = [0, 1, 2].map(|k| found.iter().map(|f| f.1[k]).sum::<f32>() / count as f32);
+        let far = |f: &(u32, [f32; 3])| (0..3).map(|k| (f.1[k] - mean[k]).powi(2)).sum::<f32>();
+        found.iter().min_by(|f, g| far(f).total_cmp(&far(g))).map(|f| f.0)
+    }
+}
