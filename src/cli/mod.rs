@@ -9,6 +9,7 @@ mod info;
 mod new;
 mod options;
 mod outputs;
+mod particles;
 mod photographs;
 mod progress;
 mod render;
@@ -52,6 +53,8 @@ enum Command {
     /// Makes a solid texture of photographs
     #[command(alias = "synthesize")]
     Synthesise(synthesise::Args),
+    /// Makes a solid texture of whole particles in a matrix, from photographs
+    Particles(particles::Args),
     /// Fills a mesh with a solid texture, without a project file
     Fill(fill::Args),
     /// Cuts a filled model along a stroke or a plane
@@ -138,6 +141,7 @@ fn dispatch(command: Command) -> Result<ExitCode, Failure> {
         Command::Assess(args) => assess::main(&args),
         Command::Tetrahedralise(args) => tetrahedralise::main(&args),
         Command::Synthesise(args) => synthesise::main(&args),
+        Command::Particles(args) => particles::main(&args),
         Command::Fill(args) => fill::main(args),
         Command::Cut(args) => cut::main(&args),
         Command::Render(args) => render::main(&args),

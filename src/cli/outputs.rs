@@ -5,6 +5,13 @@ use std::path::{Path, PathBuf};
 
 use super::failure::Failure;
 
+/// `name` with something between its stem and its extension.
+pub(crate) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = path.extension().map_or_else(String::new, |e| format!(".{}", e.to_string_lossy()));
+    path.with_file_name(format!("{stem}{suffix}{extension}"))
+}
+
 /// Refuses a name that does not end as files of its kind do.
 pub(crate) fn ending(path: &Path, what: &str, ending: &str) -> Result<(), Failure> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending)) {
@@ -56,6 +63,12 @@ fn place(path: &Path) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_beside_others() {
+        assert_eq!(with_suffix(Path::new("a/b.nrrd"), "-height"), Path::new("a/b-height.nrrd"));
+        assert_eq!(with_suffix(Path::new("b"), "-1"), Path::new("b-1"));
+    }
 
     #[test]
     fn one_file_under_two_names_is_one_file() {

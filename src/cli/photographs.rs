@@ -81,6 +81,17 @@ pub(crate) fn read_one(path: &Path) -> Result<Photograph, Failure> {
     Ok(photo::read(path)?)
 }
 
+/// Pictures that belong to the photographs, one to each; none, or as many as photographs.
+pub(crate) fn beside(what: &str, paths: &[PathBuf], photos: usize) -> Result<Vec<Photograph>, Failure> {
+    if !paths.is_empty() && paths.len() != photos {
+        let n = paths.len();
+        return Err(Failure::usage(format!(
+            "--{what} is given {n} times for {photos} photographs: give one for each"
+        )));
+    }
+    paths.iter().map(|path| read_one(path)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -13,8 +13,8 @@ use lapis::volume;
 
 use super::failure::Failure;
 use super::options::Shared;
-use super::outputs;
-use super::photographs::{self, Named};
+use super::outputs::{self, with_suffix};
+use super::photographs::{self, Named, beside};
 
 /// The most levels that a pyramid may have.
 const MAX_LEVELS: u32 = 8;
@@ -53,24 +53,6 @@ pub(crate) struct Args {
     output: PathBuf,
     #[command(flatten)]
     shared: Shared,
-}
-
-/// Pictures that belong to the photographs, one to each; none, or as many as photographs.
-fn beside(what: &str, paths: &[PathBuf], photos: usize) -> Result<Vec<Photograph>, Failure> {
-    if !paths.is_empty() && paths.len() != photos {
-        let n = paths.len();
-        return Err(Failure::usage(format!(
-            "--{what} is given {n} times for {photos} photographs: give one for each"
-        )));
-    }
-    paths.iter().map(|path| photographs::read_one(path)).collect()
-}
-
-/// `name` with something between its stem and its extension.
-fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let extension = path.extension().map_or_else(String::new, |e| format!(".{}", e.to_string_lossy()));
-    path.with_file_name(format!("{stem}{suffix}{extension}"))
 }
 
 /// Refuses outputs of the wrong kind, and such that would destroy a photograph or each other.
@@ -187,15 +169,4 @@ fn preview(view: &LevelView<'_>, path: &Path, force: bool) -> Result<(), OutputE
         left += w + gap;
     }
     OutputFile::check(path, force)?.write(&Picture { width, height, rgba }.to_png())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_beside_others() {
-        assert_eq!(with_suffix(Path::new("a/b.nrrd"), "-height"), Path::new("a/b-height.nrrd"));
-        assert_eq!(with_suffix(Path::new("b"), "-1"), Path::new("b-1"));
-    }
 }

@@ -21,8 +21,8 @@ use super::volume_params::{Order, ParticleParams};
 use super::{ParticleError, matrix};
 use crate::exec::Exec;
 use crate::photo::Photograph;
-use crate::synthesis::{Axis, SynthesisParams, working_photograph};
-use crate::volume::{SolidTexture, checked_voxels};
+use crate::synthesis::{Axis, Synthesis, SynthesisParams, working_photograph};
+use crate::volume::checked_voxels;
 
 /// Particles put at random fill so much of a volume without trouble.
 const LOOSE: f64 = 0.36;
@@ -40,13 +40,9 @@ pub struct ParticleExemplars<'a> {
 /// A volume of particles.
 #[derive(Debug, Clone)]
 pub struct ParticleVolume {
-    /// The volume, with the particle of each voxel; it tiles along all axes.
-    pub texture: SolidTexture,
-    /// For each voxel, x fastest, the pixel that it is a copy of, counted through all photographs at working size in turn. Where
-    /// colours were edited, it is still where they came from.
-    pub source: Vec<u32>,
-    /// The photographs at working size.
-    pub photos: Vec<Photograph>,
+    /// The volume with the particle of each voxel, tiling along all axes; and the pixel that each voxel is a copy of. Where
+    /// colours were edited, that is still where they came from.
+    pub made: Synthesis,
     /// The particles that there were to choose from, the best first.
     pub library: Library,
     /// How it went.
@@ -180,12 +176,12 @@ fn run(
         .zip(&grown.source)
         .map(|(&label, &source)| if label == FREE { NOTHING } else { source })
         .collect();
-    let made = matrix::fill(exemplars, &given, &at, seed, exec)?;
+    let mut made = matrix::fill(exemplars, &given, &at, seed, exec)?;
     report.measure_colours(&made.texture);
     let texture = edit::varied(made.texture, &grown.space.labels, edits, seed)?;
-    let texture = texture.with_labels(grown.space.labels)?;
+    made.texture = texture.with_labels(grown.space.labels)?;
     let library = Library::new(stock, &photos, views);
-    Ok(ParticleVolume { texture, source: made.source, photos, library, report })
+    Ok(ParticleVolume { made, library, report })
 }
 
 /// A view for each axis that has a photograph, and the lattices, each photograph's once.
