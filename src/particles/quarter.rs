@@ -8,6 +8,10 @@ use super::section::Section;
 
 /// Angles at which the outline is known, from one half-axis to the other.
 const ANGLES: usize = 33;
+/// Distances in scaled coordinates: a rectangle's corner has √2. Beyond, a notch just where a half-axis lies would be made a spike
+/// of all that is beside it.
+const LEAST: f64 = 0.35;
+const MOST: f64 = 1.5;
 
 /// A quarter's outline, seen in coordinates in which it passes through (1, 0) and (0, 1): as \[SST 3.1\] scales a morphed
 /// section to agree with the base, so every quarter is scaled to agree with its neighbours.
@@ -27,7 +31,7 @@ impl Quarter {
             let (sin, cos) = angle(n).sin_cos();
             let direction = first * (cos * extent.x) + second * (sin * extent.y);
             let length = direction.length();
-            (section.reach(direction / length) / length).max(0.05) as f32
+            (section.reach(direction / length) / length).clamp(LEAST, MOST) as f32
         });
         Self { extent, radius }
     }

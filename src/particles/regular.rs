@@ -1,5 +1,7 @@
 //! The lattice that a photograph's profiles lie on, where they lie on one: found by the autocorrelation of their centres.
 
+use std::f64::consts::TAU;
+
 use glam::DVec2;
 
 use super::view::View;
@@ -12,6 +14,12 @@ const KEPT: f64 = 0.7;
 const MOST_SITES: usize = 6;
 /// Lattice vectors are no longer than so many mean distances.
 const LONGEST: f64 = 6.0;
+/// Courses have so many profiles each, at least.
+const LEAST_IN_COURSE: usize = 3;
+/// How well profiles must agree on their courses' heights: 1 is perfectly, 0 not at all.
+const LEVEL: f64 = 0.75;
+/// What is smaller than the mean by that is a crumb.
+const CRUMB: f64 = 5.0;
 /// Centres from which vectors are tried.
 const STARTS: usize = 6;
 
@@ -33,12 +41,55 @@ pub(super) struct Rows {
     pub(super) step: DVec2,
     /// The places of a cell.
     pub(super) sites: Vec<Site>,
+    /// At how many different heights they lie.
+    pub(super) levels: usize,
     /// The part of the centres that both vectors take to other centres.
     pub(super) kept: f64,
 }
 
-/// The lattice of a photograph's profiles, in rows along its own rows.
+/// The lattice of a photograph's profiles, in rows along its own rows. Where they lie in level courses of one height, but each
+/// course in its own way, and the photograph tiles, the whole photograph is a cell.
 pub(super) fn rows(view: &View) -> Option<Rows> {
+    lattice(view).or_else(|| courses(view))
+}
+
+/// A photograph in courses.
+fn courses(view: &View) -> Option<Rows> {
+    let profiles = &view.profiles;
+    if profiles.tiles != [true; 2] {
+        return None;
+    }
+    let [width, height] = profiles.size.map(f64::from);
+    let total: f64 = profiles.all.iter().map(|p| p.area as f64).sum();
+    // How well centres agree with so many courses: 1 where all lie at the same place of theirs.
+    let agreement = |count: usize| -> DVec2 {
+        let turn = |y: f64| DVec2::from_angle(TAU * count as f64 * y / height);
+        profiles.all.iter().map(|p| turn(p.centroid.y) * p.area as f64).sum::<DVec2>() / total
+    };
+    let most = profiles.all.len() / LEAST_IN_COURSE;
+    let (count, mean) = (2..=most)
+        .map(|count| (count, agreement(count)))
+        .max_by(|a, b| a.1.length().total_cmp(&b.1.length()))?;
+    let kept = mean.length();
+    if kept < LEVEL {
+        return None;
+    }
+    let step = height / count as f64;
+    let first = mean.to_angle() / TAU * step;
+    let course = |y: f64| ((y - first) / step).round().rem_euclid(count as f64) as usize;
+    let usual = total / profiles.all.len() as f64;
+    let site = |n: usize| {
+        let p = &profiles.all[n];
+        // Crumbs in the joints are no bricks.
+        let at = DVec2::new(p.centroid.x, first + step * course(p.centroid.y) as f64);
+        (p.area as f64 * CRUMB >= usual).then(|| Site { at, profiles: vec![n] })
+    };
+    let sites: Vec<Site> = (0..profiles.all.len()).filter_map(site).collect();
+    Some(Rows { along: width, step: DVec2::new(0.0, height), sites, levels: count, kept })
+}
+
+/// A lattice of a few places.
+fn lattice(view: &View) -> Option<Rows> {
     let centres: Vec<DVec2> = view.profiles.all.iter().map(|p| p.centroid).collect();
     let size = DVec2::new(f64::from(view.profiles.size[0]), f64::from(view.profiles.size[1]));
     let board = Board { centres: &centres, size, tiles: view.profiles.tiles };
@@ -58,7 +109,8 @@ pub(super) fn rows(view: &View) -> Option<Rows> {
     let step = DVec2::new(step.x.rem_euclid(along.x), step.y);
     let kept = board.kept(along, mean).min(board.kept(step, mean));
     let sites = sites(&centres, along.x, step, mean)?;
-    Some(Rows { along: along.x, step, sites, kept })
+    let levels = sites.len();
+    Some(Rows { along: along.x, step, sites, levels, kept })
 }
 
 struct Board<'a> {

@@ -27,6 +27,9 @@ use crate::volume::checked_voxels;
 /// Particles put at random fill so much of a volume without trouble.
 const LOOSE: f64 = 0.36;
 
+/// On a lattice, pairs of profiles that are tried: at least one for each of its places.
+const PAIRS: usize = 600;
+
 /// Photographs with their profiles, and the slices that each is for.
 #[derive(Debug, Clone)]
 pub struct ParticleExemplars<'a> {
@@ -122,13 +125,15 @@ fn run(
     } else {
         // What is to be denser than particles can be put at random is put there smaller, and grows later.
         placed_smaller = (LOOSE / report.fraction_photographs).cbrt().min(1.0);
-        report.enlargement = enlargement(seen.views());
+        // Photographs of stones show most of them whole, those of cells show cuts: nobody says which, so half-way.
+        report.enlargement = params.enlarge.unwrap_or_else(|| enlargement(seen.views()).sqrt());
         let larger = DVec3::splat(report.enlargement);
         seen.stretched(larger)
     };
     let views = seen.views();
     let stage = exec.stage("shapes of the particles", 0);
-    let found = triples(views, params);
+    let pairs = courses.as_ref().map(|c| c.pairs(views, seen.rows(), PAIRS));
+    let found = triples(views, pairs.as_deref(), params);
     exec.check()?;
     report.triples_possible = found.possible;
     report.triples_aligned = found.tried;
@@ -137,7 +142,8 @@ fn run(
         let (least, most) = (f64::from(found.least), params.most_error);
         return Err(ParticleError::Contradiction { least, most });
     }
-    let stock = Stock::new(views, &found, params, placed_smaller);
+    let most = if courses.is_some() { usize::MAX } else { params.stock };
+    let stock = Stock::new(views, &found, most, placed_smaller);
     drop(stage);
     report.stock = stock.all.len();
     if stock.all.is_empty() {

@@ -87,7 +87,7 @@ impl Courses {
                 for n in 0..of_x.sites.len() {
                     let d = level(of_z, across_z, m) - level(of_x, across_x, n) - shift;
                     let d = d - step.y * (d / step.y).round();
-                    if d.abs() < 0.25 * step.y / of_z.sites.len().max(of_x.sites.len()) as f64 {
+                    if d.abs() < 0.25 * step.y / of_z.levels.max(of_x.levels) as f64 {
                         let at = DVec3::new(
                             of_z.sites[m].at.x * across_z.scale.x * stretch.x,
                             level(of_z, across_z, m),
@@ -99,11 +99,36 @@ impl Courses {
             }
             found
         };
-        let sites = (0..of_x.sites.len()).map(matches).max_by_key(Vec::len).unwrap_or_default();
-        if sites.is_empty() {
-            return Err(Misfit::Levels);
-        }
+        let mut sites = (0..of_x.sites.len()).map(matches).max_by_key(Vec::len).unwrap_or_default();
+        let Some(first) = sites.first().map(|s| s.0) else { return Err(Misfit::Levels) };
+        // The volume wraps in the middle of particles: a joint there would look like a seam.
+        sites.iter_mut().for_each(|s| s.0 -= first);
         Ok(Self { cells: [nx, ny, nz].map(|n| n as usize), stretch, step, along: fitted, sites })
+    }
+
+    /// Pairs of profiles, across x and across z, that particles on the sites may be made of; about so many in all.
+    pub(super) fn pairs(
+        &self,
+        views: [Option<&View>; 3],
+        rows: [Option<&Rows>; 3],
+        most: usize,
+    ) -> Vec<(usize, usize)> {
+        let complete = |a: usize, site: usize| -> Vec<usize> {
+            let (Some(view), Some(rows)) = (views[a], rows[a]) else { return Vec::new() };
+            rows.sites[site].profiles.iter().copied().filter(|&n| view.profiles.all[n].complete).collect()
+        };
+        let each = most.div_ceil(self.sites.len()).max(1);
+        let mut all = Vec::new();
+        for &(_, m, n) in &self.sites {
+            let (first, second) = (complete(0, n), complete(2, m));
+            let count = first.len() * second.len();
+            // Evenly over all that there are.
+            let chosen = (0..each.min(count)).map(|k| k * count / each.min(count));
+            all.extend(chosen.map(|k| (first[k % first.len()], second[k / first.len()])));
+        }
+        all.sort_unstable();
+        all.dedup();
+        all
     }
 
     /// Puts a particle on every site. How many had to be made smaller to fit.

@@ -7,7 +7,6 @@ use super::align::section;
 use super::shape::Shape;
 use super::triple::{Triple, Triples};
 use super::view::View;
-use super::volume_params::ParticleParams;
 
 /// A particle that can be placed.
 #[derive(Debug, Clone)]
@@ -29,17 +28,12 @@ pub(super) struct Stock {
 }
 
 impl Stock {
-    /// Builds particles of the best triples, about as many for each profile. They are placed smaller than they are by the factor
+    /// Builds `most` particles of the best triples, about as many for each profile. They are placed smaller than they are by the factor
     /// `placed`.
-    pub(super) fn new(
-        views: [Option<&View>; 3],
-        triples: &Triples,
-        params: &ParticleParams,
-        placed: f64,
-    ) -> Self {
+    pub(super) fn new(views: [Option<&View>; 3], triples: &Triples, most: usize, placed: f64) -> Self {
         let profiles = views.map(|v| v.map_or(0, |v| v.profiles.all.len()));
         let complete: usize = views.iter().flatten().map(|v| v.complete.len()).sum();
-        let each = params.stock.div_ceil(complete.max(1)).max(1);
+        let each = most.div_ceil(complete.max(1)).max(1);
         let mut uses = profiles.map(|n| vec![0; n]);
         let mut chosen = Vec::new();
         for triple in &triples.kept {

@@ -51,12 +51,27 @@ fn meetings(given: [bool; 3]) -> Vec<Meeting> {
     all
 }
 
-/// Finds triples. `views` has one for each axis that has a photograph; at least two have.
+/// Finds triples. `views` has one for each axis that has a photograph; at least two have. Where pairs of profiles across x and z
+/// are given, triples are made of these.
 ///
 /// Every triple has a bound below which its error cannot be: the sum of what each two of its profiles have at least.
 /// For every profile those with the least bounds are aligned in earnest, as many as the budget allows.
-pub(super) fn triples(views: [Option<&View>; 3], params: &ParticleParams) -> Triples {
-    let choices = views.map(|view| view.map_or_else(Vec::new, |view| chosen(view, params.most_profiles)));
+pub(super) fn triples(
+    views: [Option<&View>; 3],
+    given_pairs: Option<&[(usize, usize)]>,
+    params: &ParticleParams,
+) -> Triples {
+    let of_pairs = |a: usize| {
+        let mut all: Vec<usize> =
+            given_pairs?.iter().filter(|_| a != 1).map(|p| if a == 0 { p.0 } else { p.1 }).collect();
+        all.sort_unstable();
+        all.dedup();
+        (!all.is_empty()).then_some(all)
+    };
+    let choices = [0, 1, 2].map(|a| match views[a] {
+        Some(view) => of_pairs(a).unwrap_or_else(|| chosen(view, params.most_profiles)),
+        None => Vec::new(),
+    });
     let given = views.map(|v| v.is_some());
     let pairs: Vec<(Meeting, Pairs)> = meetings(given)
         .into_iter()
@@ -82,10 +97,49 @@ pub(super) fn triples(views: [Option<&View>; 3], params: &ParticleParams) -> Tri
         let sum: f32 = pairs.iter().map(|(m, p)| p.least(t[m.sections[0]], t[m.sections[1]])).sum();
         sum / pairs.len() as f32
     };
-    // As many for each profile of the axis as the budget has.
+    let mut wanted = match given_pairs {
+        Some(all) => paired(all, &choices, counts, &bound),
+        None => promising(&choices, given, counts, params.budget, &bound),
+    };
+    wanted.sort_unstable();
+    wanted.dedup();
+    let aligned: Vec<Triple> = wanted.par_iter().map(|&t| align(t, &pairs, given, &choices)).collect();
+    let least = aligned.iter().map(|t| t.error).fold(f32::INFINITY, f32::min);
+    let mut kept: Vec<Triple> =
+        aligned.into_iter().filter(|t| f64::from(t.error) <= params.most_error).collect();
+    kept.sort_by(|p, q| p.error.total_cmp(&q.error).then_with(|| p.sections.cmp(&q.sections)));
+    Triples { kept, possible, tried: wanted.len(), least }
+}
+
+/// For each pair the third profile that agrees best.
+fn paired(
+    pairs: &[(usize, usize)],
+    choices: &[Vec<usize>; 3],
+    counts: [usize; 3],
+    bound: &(impl Fn([usize; 3]) -> f32 + Sync),
+) -> Vec<[usize; 3]> {
+    let number = |a: usize, profile: usize| choices[a].binary_search(&profile).ok();
+    pairs
+        .par_iter()
+        .filter_map(|&(x, z)| {
+            let (x, z) = (number(0, x)?, number(2, z)?);
+            let all = (0..counts[1]).map(|y| [x, y, z]);
+            all.filter(|&t| bound(t).is_finite()).min_by(|a, b| bound(*a).total_cmp(&bound(*b)))
+        })
+        .collect()
+}
+
+/// As many for each profile as the budget has, those with the least bounds.
+fn promising(
+    choices: &[Vec<usize>; 3],
+    given: [bool; 3],
+    counts: [usize; 3],
+    budget: usize,
+    bound: &(impl Fn([usize; 3]) -> f32 + Sync),
+) -> Vec<[usize; 3]> {
     let mut wanted: Vec<[usize; 3]> = Vec::new();
-    let profiles: usize = (0..3).filter(|&a| given[a]).map(|a| counts[a]).sum();
-    let each = (params.budget / profiles.max(1)).max(1);
+    let profiles: usize = (0..3).filter(|&a| given[a]).map(|a| choices[a].len()).sum();
+    let each = (budget / profiles.max(1)).max(1);
     for axis in (0..3).filter(|&a| given[a]) {
         let [b, c] = [(axis + 1) % 3, (axis + 2) % 3];
         let of: Vec<Vec<[usize; 3]>> = (0..counts[axis])
@@ -109,14 +163,7 @@ pub(super) fn triples(views: [Option<&View>; 3], params: &ParticleParams) -> Tri
             .collect();
         wanted.extend(of.into_iter().flatten());
     }
-    wanted.sort_unstable();
-    wanted.dedup();
-    let aligned: Vec<Triple> = wanted.par_iter().map(|&t| align(t, &pairs, given, &choices)).collect();
-    let least = aligned.iter().map(|t| t.error).fold(f32::INFINITY, f32::min);
-    let mut kept: Vec<Triple> =
-        aligned.into_iter().filter(|t| f64::from(t.error) <= params.most_error).collect();
-    kept.sort_by(|p, q| p.error.total_cmp(&q.error).then_with(|| p.sections.cmp(&q.sections)));
-    Triples { kept, possible, tried: wanted.len(), least }
+    wanted
 }
 
 /// The profiles that serve: all complete ones, or as many as are wanted, of all sizes.

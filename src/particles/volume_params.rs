@@ -90,6 +90,10 @@ pub struct ParticleParams {
     /// About how many different particles are made
     #[arg(long, value_name = "N", default_value_t = Self::default().stock)]
     pub stock: usize,
+    /// By how much particles are larger than their profiles, 0.5 to 3: 1 where the photographs show particles whole, more where
+    /// they show a cut, which does not meet them in their middles [default: half-way between the two]
+    #[arg(long, value_name = "FACTOR")]
+    pub enlarge: Option<f64>,
     /// Nearest profiles that count as a profile's neighbours
     #[arg(long, value_name = "K", default_value_t = Self::default().neighbours)]
     pub neighbours: usize,
@@ -118,6 +122,7 @@ impl Default for ParticleParams {
             budget: 30_000,
             most_profiles: 96,
             stock: 400,
+            enlarge: None,
             neighbours: 10,
             repulsion: 20,
             no_scaling: false,
@@ -146,6 +151,7 @@ impl ParticleParams {
         within("most_profiles", self.most_profiles as f64, 1.0..=512.0, "1 to 512")?;
         within("stock", self.stock as f64, 1.0..=1e5, "1 to 100000")?;
         within("neighbours", self.neighbours as f64, 1.0..=64.0, "1 to 64")?;
+        within("enlarge", self.enlarge.unwrap_or(1.0), 0.5..=3.0, "0.5 to 3")?;
         within("repulsion", self.repulsion as f64, 0.0..=200.0, "0 to 200")?;
         within("alpha", self.alpha.unwrap_or(0.0), 0.0..=2.0, "0 to 2")?;
         within("gap", self.gap.unwrap_or(0.0), 0.0..=64.0, "0 to 64")

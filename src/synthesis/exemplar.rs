@@ -147,6 +147,9 @@ pub(super) fn plates(
             Some(Feature::Mask(mask)) => {
                 fits("mask", mask)?;
                 let inside: Vec<bool> = brightness(&resized(mask, size)).iter().map(|&b| b >= 0.5).collect();
+                if inside.iter().all(|&i| i == inside[0]) {
+                    return Err(SynthesisError::OneSidedMask { photo: n });
+                }
                 Some(signed_distance(&inside, size.map(|s| s as usize)))
             }
         };

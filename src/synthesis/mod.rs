@@ -157,6 +157,12 @@ pub enum SynthesisError {
         /// The photograph's.
         expected: [u32; 2],
     },
+    /// A mask without an outline.
+    #[error("the mask of photograph {} is black or white all over at working size: it must be white on some parts only", .photo + 1)]
+    OneSidedMask {
+        /// Whose it is.
+        photo: usize,
+    },
     /// A target map that is black.
     #[error("the target map of photograph {} is black: it wants no pixel at all", .photo + 1)]
     NothingWanted {

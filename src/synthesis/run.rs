@@ -281,8 +281,9 @@ pub(super) fn improve(
     let mut energy = Vec::with_capacity(passes);
     for number in 0..passes {
         pass.number = number;
-        let coarsest = level.number == 0;
-        let effort = Effort { drawn: if coarsest { 8 } else { 0 }, all_sets: coarsest };
+        // Where nothing is known yet, much is looked at; beside what is given, little is enough in the end.
+        let unknown = level.number == 0 && (level.free.is_none() || 2 * number < passes);
+        let effort = Effort { drawn: if unknown { 8 } else { 0 }, all_sets: unknown };
         let searched = search(level, &mut state, &mut index, effort, &mut pass, exec)?;
         optimise(level, &mut state, &mut position, &mut pass, exec)?;
         let mean = searched.energy / searched.looked.max(1) as f64;

@@ -121,6 +121,9 @@ fn what_is_wanted_appears_more() {
     let exemplar = Exemplar { target: Some(&black), ..Exemplar::new(&photo) };
     let refused = make(&Exemplars::one(exemplar, None), &params([24; 3]));
     assert_eq!(refused, Err(SynthesisError::NothingWanted { photo: 0 }));
+    let exemplar = Exemplar { feature: Some(Feature::Mask(&black)), ..Exemplar::new(&photo) };
+    let refused = make(&Exemplars::one(exemplar, None), &params([24; 3]));
+    assert_eq!(refused, Err(SynthesisError::OneSidedMask { photo: 0 }));
 }
 
 #[test]
