@@ -94,11 +94,13 @@ pub fn given_mask(picture: &Photograph, params: &MaskParams) -> Result<Mask, Par
 
 impl Mask {
     /// The mask as a picture, white where particles are.
+    ///
+    /// # Panics
+    /// Where `inside` was made longer or shorter than `size` says.
     #[must_use]
     pub fn to_photograph(&self) -> Photograph {
         let pixel = |&inside: &bool| if inside { [255; 4] } else { [0, 0, 0, 255] };
         let pixels = self.inside.iter().map(pixel).collect();
-        #[allow(clippy::expect_used)] // a mask is of a photograph's size
         Photograph::new(self.size, pixels).expect("a mask has as many pixels as its photograph")
     }
 

@@ -201,6 +201,8 @@ fn masks_that_say_nothing_are_refused() {
     let other = picture(&["....", "...."]);
     let two = read(&specks).unwrap();
     assert_eq!(found(&two, &other), Err(ParticleError::MaskSize { mask: [4, 4], photo: [4, 2] }));
+    let short = Mask { inside: vec![true; 3], ..two };
+    assert!(matches!(found(&short, &specks), Err(ParticleError::MaskSize { .. })));
     let cut = picture(&["#.#", "#.#"]);
     assert_eq!(found(&read(&cut).unwrap(), &cut), Err(ParticleError::NoneComplete(2)));
     // Masks that others made by hand.
