@@ -140,8 +140,8 @@ fn natural_breaks(numbers: &[f64], k: usize) -> Result<Vec<f64>, usize> {
                 continue;
             }
             let j = usize::midpoint(low, high);
-            for i in first..=last.min(j - 1) {
-                let sum = cost[i] + within(i, j);
+            for (i, before) in cost.iter().enumerate().take(j.min(last + 1)).skip(first) {
+                let sum = before + within(i, j);
                 if sum < next[j] {
                     (next[j], start[j]) = (sum, i);
                 }
@@ -149,7 +149,7 @@ fn natural_breaks(numbers: &[f64], k: usize) -> Result<Vec<f64>, usize> {
             open.push((low, j - 1, first, start[j]));
             open.push((j + 1, high, start[j], last));
         }
-        (cost, _) = (next, ());
+        cost = next;
         starts.push(start);
     }
     let mut breaks = Vec::with_capacity(k - 1);

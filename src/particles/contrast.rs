@@ -202,11 +202,11 @@ mod tests {
             let variance: f64 =
                 (0..grid.len()).map(|i| f64::from(blur[i]) * f64::from(grid.place(i)[0] - 30).powi(2)).sum();
             assert!((variance.sqrt() / sigma - 1.0).abs() < 1e-3, "{sigma}: {}", variance.sqrt());
-            for i in 0..grid.len() {
+            for (i, &found) in blur.iter().enumerate() {
                 let [x, y] = grid.place(i).map(|p| f64::from(p - 30));
                 let r = (x * x + y * y) / (2.0 * sigma * sigma);
                 let wanted = (-r).exp() / (std::f64::consts::TAU * sigma * sigma);
-                let found = f64::from(blur[i]);
+                let found = f64::from(found);
                 assert!((found - wanted).abs() < tolerance * peak, "{sigma}: {x} {y} {found} {wanted}");
             }
         }

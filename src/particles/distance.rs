@@ -24,12 +24,16 @@ pub(super) fn squared_distance(grid: Grid, inside: &[bool]) -> Vec<u32> {
     transposed(&columns, [h, w])
 }
 
-/// The picture turned over its diagonal.
+/// The picture turned over its diagonal, some columns at a time, since they lie beside each other in memory.
 pub(super) fn transposed<T: Copy + Default + Send + Sync>(values: &[T], [w, h]: [usize; 2]) -> Vec<T> {
+    const COLUMNS: usize = 16;
     let mut turned = vec![T::default(); values.len()];
-    turned.par_chunks_exact_mut(h).enumerate().for_each(|(x, column)| {
-        for (y, value) in column.iter_mut().enumerate() {
-            *value = values[y * w + x];
+    turned.par_chunks_mut(h * COLUMNS).enumerate().for_each(|(block, columns)| {
+        for y in 0..h {
+            let from = y * w + block * COLUMNS;
+            for (x, column) in columns.chunks_exact_mut(h).enumerate() {
+                column[y] = values[from + x];
+            }
         }
     });
     turned

@@ -4,9 +4,14 @@ use super::ParticleError;
 use super::contrast::contrast;
 use super::grid::{Connected, Grid, areas};
 use super::params::{MaskParams, Phase};
-use super::watershed::split;
+use super::watershed::{roundness, split};
 use crate::exec::Exec;
 use crate::photo::Photograph;
+
+/// A phase of which two pixels lie in one part with a greater probability than this hangs together.
+const TOGETHER: f64 = 0.8;
+/// A phase of which they do with a smaller one is broken up.
+const BROKEN: f64 = 0.7;
 
 /// Which pixels of a photograph show particles, made by [`make_mask`] or read from a picture by [`given_mask`]. Pixels
 /// that share a side belong to one profile.
@@ -52,7 +57,7 @@ pub fn make_mask(photo: &Photograph, params: &MaskParams, exec: &Exec) -> Result
             Phase::Light => true,
             Phase::Dark => false,
             Phase::Auto if params.matrix.is_some() => true,
-            Phase::Auto => togetherness(grid, &phase(true)) <= togetherness(grid, &phase(false)),
+            Phase::Auto => first_is_particles(grid, [&phase(true), &phase(false)], params.least, exec)?,
         };
         let mut inside = phase(above);
         neither_all_nor_nothing(&inside)?;
@@ -89,11 +94,13 @@ pub fn given_mask(picture: &Photograph, params: &MaskParams) -> Result<Mask, Par
 
 impl Mask {
     /// The mask as a picture, white where particles are.
+    ///
+    /// # Panics
+    /// Where `inside` was made longer or shorter than `size` says.
     #[must_use]
     pub fn to_photograph(&self) -> Photograph {
         let pixel = |&inside: &bool| if inside { [255; 4] } else { [0, 0, 0, 255] };
         let pixels = self.inside.iter().map(pixel).collect();
-        #[allow(clippy::expect_used)] // a mask is of a photograph's size
         Photograph::new(self.size, pixels).expect("a mask has as many pixels as its photograph")
     }
 
@@ -108,6 +115,22 @@ fn neither_all_nor_nothing(inside: &[bool]) -> Result<(), ParticleError> {
         n if n == inside.len() => Err(ParticleError::FullMask),
         _ => Ok(()),
     }
+}
+
+/// Whether the first of two phases is the particles. A matrix hangs together while particles are many. Where gaps in the
+/// particles or in thin joints leave both phases together, or both broken up, it is the one that is more like a heap of
+/// particles.
+fn first_is_particles(
+    grid: Grid,
+    phases: [&[bool]; 2],
+    least: u32,
+    exec: &Exec,
+) -> Result<bool, ParticleError> {
+    let [first, second] = phases.map(|phase| togetherness(grid, phase));
+    if first.max(second) > TOGETHER && first.min(second) < BROKEN {
+        return Ok(first < second);
+    }
+    Ok(roundness(grid, phases[0], least, exec)? >= roundness(grid, phases[1], least, exec)?)
 }
 
 /// How likely two pixels of a phase are to lie in one part of it.

@@ -10,7 +10,7 @@ use crate::colour::Colour;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Phase {
-    /// The one that is broken up more: the matrix hangs together.
+    /// The one that is broken up while the other, the matrix, hangs together; else the one whose parts are rounder.
     #[default]
     Auto,
     /// The lighter one.
@@ -53,7 +53,8 @@ pub struct MaskParams {
     /// how much more of it than around, -1 to 1 [default: found by Otsu's method]
     #[arg(long, value_name = "NUMBER", allow_negative_numbers = true)]
     pub threshold: Option<f64>,
-    /// Which phase the particles are: the lighter or the darker one; auto takes the one that is broken up more
+    /// Which phase the particles are: the lighter or the darker one; auto takes the one that is broken up, or whose parts
+    /// are rounder
     #[arg(long, value_name = "PHASE", value_enum, default_value_t = Self::default().particles)]
     pub particles: Phase,
     /// Even out the light: compare each pixel with the mean within about so many pixels, 1 to 1024, some two particles
@@ -87,7 +88,7 @@ impl Default for MaskParams {
             particles: Phase::Auto,
             even: None,
             smooth: 0.7,
-            fill_holes: 0.2,
+            fill_holes: 0.05,
             split: 0.75,
             least: 12,
             tiles: Tiling::None,

@@ -28,7 +28,7 @@ pub struct Profile {
     pub complete: bool,
     /// Its class, from 0 on.
     pub class: u16,
-    /// The mean of its colours, in linear light.
+    /// The mean of its colours, in linear light, weighted by alpha.
     pub mean: [f32; 3],
     /// The least distance from its centroid to its outline, in pixels; 0 where the centroid lies outside.
     pub inscribed: f64,
@@ -85,7 +85,7 @@ pub fn profiles(
     exec: &Exec,
 ) -> Result<Profiles, ParticleError> {
     params.validate()?;
-    if mask.size != photo.size() {
+    if mask.size != photo.size() || mask.inside.len() != photo.pixels().len() {
         return Err(ParticleError::MaskSize { mask: mask.size, photo: photo.size() });
     }
     exec.install(|| {
@@ -163,9 +163,11 @@ fn profile(grid: Grid, Body { mut pixels, complete }: Body, photo: &Photograph) 
     }
     pixels.sort_unstable_by_key(|&[x, y]| [y, x]);
     let mut light = [0.0f64; 3];
+    let mut weight = 0.0;
     for n in pixels.iter().filter_map(|&p| grid.at(p)) {
-        let c = decode(photo.pixels()[n]);
-        (0..3).for_each(|i| light[i] += f64::from(c[i]));
+        let [r, g, b, alpha] = decode(photo.pixels()[n]).map(f64::from);
+        light.iter_mut().zip([r, g, b]).for_each(|(sum, c)| *sum += c * alpha);
+        weight += alpha;
     }
     let corners = outline(&pixels);
     Profile {
@@ -173,7 +175,7 @@ fn profile(grid: Grid, Body { mut pixels, complete }: Body, photo: &Photograph) 
         centroid,
         complete,
         class: 0,
-        mean: light.map(|sum| (sum / count) as f32),
+        mean: light.map(|sum| if weight > 0.0 { (sum / weight) as f32 } else { 0.0 }),
         inscribed: depth_inside(&corners, centroid),
         convexity: count / area(&hull(&corners)),
         pixels,

@@ -201,6 +201,8 @@ fn masks_that_say_nothing_are_refused() {
     let other = picture(&["....", "...."]);
     let two = read(&specks).unwrap();
     assert_eq!(found(&two, &other), Err(ParticleError::MaskSize { mask: [4, 4], photo: [4, 2] }));
+    let short = Mask { inside: vec![true; 3], ..two };
+    assert!(matches!(found(&short, &specks), Err(ParticleError::MaskSize { .. })));
     let cut = picture(&["#.#", "#.#"]);
     assert_eq!(found(&read(&cut).unwrap(), &cut), Err(ParticleError::NoneComplete(2)));
     // Masks that others made by hand.
@@ -254,4 +256,35 @@ fn threads_change_nothing() {
         profiles(&mask, &photo, &ClassParams::default(), &exec).unwrap()
     };
     assert_eq!(run(1), run(3));
+}
+
+#[test]
+fn stones_are_told_from_broken_joints_by_their_roundness() {
+    // A wall of blocks: joints have gaps, so that both phases hang together.
+    let side = 96;
+    let wall = |joint: u8, block: u8| {
+        let pixel = |n: usize| {
+            let (x, y) = (n % side, n / side);
+            let gap = (x / 16 + y / 16) % 3 == 0 && (6..10).contains(&(x % 16));
+            let grey = if (x % 16 < 2 || y % 16 < 2) && !gap { joint } else { block };
+            [grey, grey, grey, 255]
+        };
+        Photograph::new([side as u32; 2], (0..side * side).map(pixel).collect()).unwrap()
+    };
+    for (joint, block) in [(30, 190), (190, 30)] {
+        let photo = wall(joint, block);
+        let mask = made(&photo, &MaskParams { tiles: Tiling::Both, smooth: 0.0, ..Default::default() });
+        assert_eq!(mask.made.map(|m| m.above), Some(block > joint));
+        let all = found(&mask, &photo).unwrap();
+        assert_eq!((all.all.len(), all.complete()), (36, 36));
+    }
+}
+
+#[test]
+fn a_sparse_phase_is_the_particles_even_where_the_ground_is_rounder() {
+    let specks: Vec<([f64; 2], f64)> =
+        (0..9).map(|n| ([12.0 + 20.0 * f64::from(n % 3), 12.0 + 20.0 * f64::from(n / 3)], 2.4)).collect();
+    let photo = discs(64, &specks, [90, 200]);
+    let mask = made(&photo, &MaskParams::default());
+    assert_eq!(found(&mask, &photo).unwrap().all.len(), 9);
 }

@@ -11,6 +11,8 @@ use crate::exec::{Cancelled, Exec};
 const CHECK_EVERY: usize = 1 << 16;
 /// How much deeper than the neck, in pixels, both sides must be: less is the staircase of the outline.
 const LEAST_RISE: f64 = 0.75;
+/// How phases are parted before they are compared.
+const ROUND_SPLIT: f64 = 0.75;
 
 /// Takes the pixels along necks out of `inside`: where two deepest places (maxima of the distance to the outside) meet
 /// at a neck whose depth is less than `split` of the shallower one's. What remains of both sides does not touch by
@@ -24,30 +26,45 @@ pub(super) fn split(grid: Grid, inside: &mut [bool], split: f64, exec: &Exec) ->
     }
     let depth = squared_distance(grid, inside);
     exec.check()?;
-    let markers = markers(grid, &depth, split, exec)?;
+    let markers: Vec<usize> =
+        parts(grid, &depth, split, exec)?.into_iter().map(|(deepest, _)| deepest).collect();
     let label = flood(grid, &depth, &markers, exec)?;
     inside.iter_mut().zip(label).for_each(|(i, l)| *i &= l != LINE);
     Ok(())
 }
 
-/// The deepest pixels of the parts that stay apart. Pixels are taken from the deepest to the shallowest; a part that
-/// meets a deeper one joins it, unless the neck says otherwise.
-fn markers(grid: Grid, depth: &[u32], split: f64, exec: &Exec) -> Result<Vec<usize>, Cancelled> {
+/// How much like a heap of particles a phase is, at most about 1: the share of its area that lies in the largest discs
+/// within its parts, after [`split`]. Parts of fewer than `least` pixels are left out. Stones fill more than a third of
+/// themselves, joints and what lies between scattered stones next to nothing.
+pub(super) fn roundness(grid: Grid, inside: &[bool], least: u32, exec: &Exec) -> Result<f64, Cancelled> {
+    let depth = squared_distance(grid, inside);
+    exec.check()?;
+    let parts = parts(grid, &depth, ROUND_SPLIT, exec)?;
+    let large = parts.iter().filter(|(_, area)| *area >= least);
+    let disc = |deepest: usize| std::f64::consts::PI * half_width(depth[deepest]).powi(2);
+    let discs: f64 = large.map(|(deepest, _)| disc(*deepest)).sum();
+    let area: f64 = parts.iter().map(|(_, area)| f64::from(*area)).sum();
+    Ok(if area > 0.0 { discs / area } else { 0.0 })
+}
+
+/// The parts that stay apart: their deepest pixels and their areas. Pixels are taken from the deepest to the shallowest;
+/// a part that meets a deeper one joins it, unless the neck says otherwise.
+fn parts(grid: Grid, depth: &[u32], split: f64, exec: &Exec) -> Result<Vec<(usize, u32)>, Cancelled> {
     let mut order: Vec<u32> = (0..depth.len() as u32).filter(|&n| depth[n as usize] > 0).collect();
     order.sort_by_key(|&n| (Reverse(depth[n as usize]), n));
-    let mut parts = Parts { parent: vec![NONE; depth.len()] };
+    let mut joined = Joined { parent: vec![NONE; depth.len()] };
     for (done, &n) in order.iter().enumerate() {
         if done % CHECK_EVERY == 0 {
             exec.check()?;
         }
         let n = n as usize;
-        parts.parent[n] = n as u32;
+        joined.parent[n] = n as u32;
         let neck = half_width(depth[n]);
         for (next, _) in grid.neighbours(n, Connected::Sides) {
-            if parts.parent[next] == NONE {
+            if joined.parent[next] == NONE {
                 continue;
             }
-            let (a, b) = (parts.root(n), parts.root(next));
+            let (a, b) = (joined.root(n), joined.root(next));
             if a == b {
                 continue;
             }
@@ -56,11 +73,14 @@ fn markers(grid: Grid, depth: &[u32], split: f64, exec: &Exec) -> Result<Vec<usi
             let (deep, shallow) = if key(a) < key(b) { (a, b) } else { (b, a) };
             let peak = half_width(depth[shallow]);
             if neck >= split * peak || peak - neck < LEAST_RISE {
-                parts.parent[shallow] = deep as u32;
+                joined.parent[shallow] = deep as u32;
             }
         }
     }
-    Ok(order.into_iter().map(|n| n as usize).filter(|&n| parts.parent[n] == n as u32).collect())
+    let mut area = vec![0u32; depth.len()];
+    order.iter().for_each(|&n| area[joined.root(n as usize)] += 1);
+    let roots = order.into_iter().map(|n| n as usize).filter(|&n| area[n] > 0);
+    Ok(roots.map(|n| (n, area[n])).collect())
 }
 
 /// Half the width of a shape whose deepest pixel is so deep: the outline runs half a pixel before the first pixel outside.
@@ -71,11 +91,11 @@ fn half_width(squared_depth: u32) -> f64 {
 const NONE: u32 = u32::MAX;
 
 /// Pixels joined to parts.
-struct Parts {
+struct Joined {
     parent: Vec<u32>,
 }
 
-impl Parts {
+impl Joined {
     fn root(&mut self, mut n: usize) -> usize {
         while self.parent[n] as usize != n {
             // Every other link is shortened on the way.
