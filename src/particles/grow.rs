@@ -88,7 +88,7 @@ pub(super) fn grow(
             if own != FREE && space.beside(n).iter().any(gives_way) { FREE } else { own }
         })
         .collect();
-    let mut space = Space { size, labels };
+    let mut space = Space { size, labels, overlap: space.overlap };
     keep_largest_pieces(&mut space, placed.len());
     Ok(Grown { space, source })
 }

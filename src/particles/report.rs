@@ -21,7 +21,7 @@ pub struct ParticleReport {
     pub triples_aligned: usize,
     /// How many agreed.
     pub triples_kept: usize,
-    /// Voxels that two particles had at placement; 0 but on a lattice, where the smaller of two that meet gives way.
+    /// Voxels that two particles had at placement.
     pub overlap: usize,
     /// The part of the photographs that is particles, the mean of the directions.
     pub fraction_photographs: f64,

@@ -13,7 +13,7 @@ use super::regular::{Rows, rows};
 use super::repel::repel;
 use super::report::ParticleReport;
 use super::sites::{Courses, Misfit};
-use super::space::{FREE, Placed, Space};
+use super::space::{FREE, Space};
 use super::stock::Stock;
 use super::triple::triples;
 use super::view::View;
@@ -157,7 +157,7 @@ fn run(
         }
         None => arrange(views, &stock, params, params.order, seed, Quotas::new(views, extent), exec)?,
     };
-    report.overlap = overlap(&space, &placed, &stock);
+    report.overlap = space.overlap;
     report.fraction_placed = space.fraction();
     if courses.is_none() {
         repel(&space, &mut placed, &stock, placed_smaller, params.repulsion, exec)?;
@@ -216,13 +216,6 @@ fn courses(seen: &Seen, order: Order, extent: DVec3) -> Result<Option<Courses>, 
         (Err(Misfit::Levels), Order::Lattice) => Err(ParticleError::Levels),
         (Err(_), _) => Ok(None),
     }
-}
-
-/// Voxels that belong to more than one particle as they were placed.
-fn overlap(space: &Space, placed: &[Placed], stock: &Stock) -> usize {
-    let filled = space.labels.iter().filter(|&&l| l != FREE).count();
-    let all: usize = placed.iter().map(|p| stock.all[p.stocked].stencil.len()).sum();
-    all.saturating_sub(filled)
 }
 
 /// Numbers particles from 1 without gaps, and says how many there are.

@@ -10,6 +10,8 @@ pub(super) const FREE: u32 = 0;
 pub(super) struct Space {
     pub(super) size: [usize; 3],
     pub(super) labels: Vec<u32>,
+    /// Voxels that were given to a particle when another had them.
+    pub(super) overlap: usize,
 }
 
 /// A particle in its place.
@@ -23,7 +25,7 @@ pub(super) struct Placed {
 
 impl Space {
     pub(super) fn new(size: [usize; 3]) -> Self {
-        Self { size, labels: vec![FREE; size.iter().product()] }
+        Self { size, labels: vec![FREE; size.iter().product()], overlap: 0 }
     }
 
     pub(super) fn extent(&self) -> DVec3 {
@@ -74,6 +76,7 @@ impl Space {
     pub(super) fn fill(&mut self, from: [i32; 3], stencil: &[[i16; 3]], label: u32) {
         for s in stencil {
             let n = self.at(from, *s);
+            self.overlap += usize::from(self.labels[n] != FREE);
             self.labels[n] = label;
         }
     }
