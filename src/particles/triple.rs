@@ -29,6 +29,9 @@ pub(super) struct Triples {
     pub(super) least: f32,
 }
 
+/// Pairs of a lattice may disagree by so much.
+const ON_LATTICE: f64 = 0.4;
+
 /// Two lines that meet: of two axes' sections, and whether the line runs downwards in each.
 #[derive(Debug, Clone, Copy)]
 struct Meeting {
@@ -104,9 +107,10 @@ pub(super) fn triples(
     wanted.sort_unstable();
     wanted.dedup();
     let aligned: Vec<Triple> = wanted.par_iter().map(|&t| align(t, &pairs, given, &choices)).collect();
+    // On a lattice the courses agree already, and a place without its own particle would get one of another's size.
+    let most = if given_pairs.is_some() { params.most_error.max(ON_LATTICE) } else { params.most_error };
     let least = aligned.iter().map(|t| t.error).fold(f32::INFINITY, f32::min);
-    let mut kept: Vec<Triple> =
-        aligned.into_iter().filter(|t| f64::from(t.error) <= params.most_error).collect();
+    let mut kept: Vec<Triple> = aligned.into_iter().filter(|t| f64::from(t.error) <= most).collect();
     kept.sort_by(|p, q| p.error.total_cmp(&q.error).then_with(|| p.sections.cmp(&q.sections)));
     Triples { kept, possible, tried: wanted.len(), least }
 }
