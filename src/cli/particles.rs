@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use lapis::export::{ExportFormat, shapes_glb, shapes_obj};
 use lapis::particles::{
     ClassParams, EditParams, Mask, MaskParams, ParticleError, ParticleExemplars, ParticleParams,
     ParticleVolume, Profiles, Recolour, given_mask, make_mask, particles, profiles, recoloured,
@@ -53,6 +54,13 @@ pub(crate) struct Args {
     /// Also write the number of the pixel that each voxel is copied from, for `lapis assess --source`
     #[arg(long, value_name = "FILE.npy", help_heading = "Outputs")]
     source: Option<PathBuf>,
+    /// Also write the particles that there were to choose from, side by side, the best first: closed meshes with vertex colours,
+    /// particle-1 and so on
+    #[arg(long, value_name = "FILE.(glb|obj)", help_heading = "Outputs")]
+    shapes: Option<PathBuf>,
+    /// How many of them at most, 1 or more
+    #[arg(long, value_name = "N", default_value_t = 100, requires = "shapes", help_heading = "Outputs")]
+    shapes_most: usize,
     /// The volume; the particle of each voxel is written beside it, with -labels in its name. It may be left out where only
     /// masks are wanted
     #[arg(
@@ -82,6 +90,19 @@ fn mask_path(path: &Path, n: usize, count: usize) -> PathBuf {
     if count == 1 { path.to_owned() } else { with_suffix(path, &format!("-{}", n + 1)) }
 }
 
+/// What the particles are written as.
+fn shapes_kind(path: &Path) -> Result<ExportFormat, Failure> {
+    let known = [ExportFormat::Glb, ExportFormat::Obj];
+    let is =
+        |format: &ExportFormat| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(format.extension()));
+    known.into_iter().find(is).ok_or_else(|| {
+        let path = path.display();
+        Failure::usage(format!(
+            "'{path}' does not end in .glb or .obj: the particles are written as one of these"
+        ))
+    })
+}
+
 /// Refuses outputs of the wrong kind, and such that would destroy an input or each other.
 fn check_names(args: &Args) -> Result<(), Failure> {
     let count = args.photos.len();
@@ -92,11 +113,17 @@ fn check_names(args: &Args) -> Result<(), Failure> {
         if !args.height.is_empty() {
             written.push(with_suffix(path, "-height"));
         }
-    } else if !args.height.is_empty() || args.source.is_some() {
-        return Err(Failure::usage("--height and --source are of a volume: name it with -o".to_owned()));
+    } else if !args.height.is_empty() || args.source.is_some() || args.shapes.is_some() {
+        return Err(Failure::usage(
+            "--height, --source and --shapes are of a volume: name it with -o".to_owned(),
+        ));
     }
     if let Some(path) = &args.source {
         outputs::ending(path, "the source map", "npy")?;
+        written.push(path.clone());
+    }
+    if let Some(path) = &args.shapes {
+        shapes_kind(path)?;
         written.push(path.clone());
     }
     if let Some(path) = &args.write_mask {
@@ -120,6 +147,9 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         args.edits.validate().map_err(failure)?;
         let directions = photographs::of_axes(&args.photos).map_err(Failure::usage)?;
         check_names(args)?;
+        if args.shapes_most == 0 {
+            return Err(Failure::usage("--shapes-most 0: it must be 1 or more".to_owned()));
+        }
         let count = args.photos.len();
         let force = args.shared.force;
         let check = |path: PathBuf| OutputFile::check(&path, force);
@@ -136,6 +166,10 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
             _ => None,
         };
         let source = args.source.clone().map(check).transpose()?;
+        let shapes = match &args.shapes {
+            Some(path) => Some((check(path.clone())?, shapes_kind(path)?)),
+            None => None,
+        };
 
         let mut report = Report::default();
         let start = Instant::now();
@@ -165,7 +199,7 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
             let start = Instant::now();
             let exemplars = ParticleExemplars { photos: photos.iter().zip(&found).collect(), directions };
             let seed = args.shared.seed.unwrap_or(0);
-            let ParticleVolume { made: mut volume, report: measured, .. } =
+            let ParticleVolume { made: mut volume, library, report: measured } =
                 particles(&exemplars, &args.params, &args.edits, seed, session.exec()).map_err(failure)?;
             let from = Recolour { particles: of_particles.as_ref(), matrix: of_matrix.as_ref() };
             if of_particles.is_some() || of_matrix.is_some() {
@@ -176,6 +210,14 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
             for (path, bytes) in volume::to_files(output.path(), &volume.texture)? {
                 let file = if path == output.path() { output } else { labels };
                 files.push((file, bytes, if path == output.path() { "volume" } else { "labels" }));
+            }
+            if let Some((file, kind)) = &shapes {
+                let bytes = match kind {
+                    ExportFormat::Glb => shapes_glb(&library, args.shapes_most)?,
+                    _ => shapes_obj(&library, args.shapes_most)?,
+                };
+                report.count("shapes", library.len().min(args.shapes_most));
+                files.push((file, bytes, "shapes"));
             }
             made = Some(volume);
         }

@@ -2,33 +2,12 @@
 
 use serde_json::json;
 
+use super::buffer::Buffer;
 use super::textured::Textured;
 use super::{AtlasParams, ExportError, single};
 use crate::exec::Exec;
 use crate::lap::LappedSolid;
-use crate::mesh::index;
 use crate::render::Surface;
-
-/// The buffer of a GLB under construction: every view starts at a multiple of four bytes.
-#[derive(Default)]
-struct Buffer {
-    bytes: Vec<u8>,
-    views: Vec<serde_json::Value>,
-}
-
-impl Buffer {
-    /// Adds a view; gives its index.
-    fn add(&mut self, bytes: &[u8], target: Option<u32>) -> usize {
-        let mut view = json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() });
-        if let Some(target) = target {
-            view["target"] = json!(target);
-        }
-        self.bytes.extend_from_slice(bytes);
-        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        self.views.push(view);
-        self.views.len() - 1
-    }
-}
 
 /// A lapped solid as a GLB file: one mesh with normals and texture coordinates, one material, one atlas baked
 /// as PNG; outside and cut faces alike, in the mesh's own axes and units.
@@ -39,9 +18,6 @@ impl Buffer {
 /// [`ExportError`]: bad settings, no surface, coordinates out of reach, more charts than the atlas holds,
 /// more than 4 GiB, cancelled.
 pub fn glb(solid: &LappedSolid, params: &AtlasParams, exec: &Exec) -> Result<Vec<u8>, ExportError> {
-    const FLOAT: u32 = 5126;
-    const U16: u32 = 5123;
-    const U32: u32 = 5125;
     let surface = Surface::new(solid);
     // The quick check before the long work.
     let places = surface
@@ -55,27 +31,13 @@ pub fn glb(solid: &LappedSolid, params: &AtlasParams, exec: &Exec) -> Result<Vec
     let normals: Vec<[f32; 3]> =
         textured.points.iter().map(|p| surface.points[at(p)].normal.as_vec3().to_array()).collect();
     let uvs: Vec<[f32; 2]> = textured.uv.iter().map(|uv| uv.as_vec2().to_array()).collect();
-    let indices: Vec<u32> = textured.faces.as_flattened().to_vec();
-    let count = positions.len();
-    let extreme = |pick: fn(f32, f32) -> f32| {
-        positions.iter().copied().reduce(|a, b| std::array::from_fn(|k| pick(a[k], b[k])))
-    };
-    let (least, most) = (extreme(f32::min), extreme(f32::max));
 
-    let (vertex_data, index_data) = (Some(34962), Some(34963));
     let mut buffer = Buffer::default();
-    let position_view = buffer.add(bytemuck::cast_slice(&positions), vertex_data);
-    let normal_view = buffer.add(bytemuck::cast_slice(&normals), vertex_data);
-    let uv_view = buffer.add(bytemuck::cast_slice(&uvs), vertex_data);
-    // 65535 itself is reserved.
-    let (index_type, index_bytes) = if count <= 65535 {
-        #[allow(clippy::cast_possible_truncation)] // just checked
-        (U16, indices.iter().flat_map(|&i| (i as u16).to_le_bytes()).collect::<Vec<u8>>())
-    } else {
-        (U32, indices.iter().flat_map(|i| i.to_le_bytes()).collect())
-    };
-    let index_view = buffer.add(&index_bytes, index_data);
-    let image_view = buffer.add(&textured.picture.png(false), None);
+    let position = buffer.positions(&positions);
+    let normal = buffer.vectors(&normals);
+    let uv = buffer.vectors(&uvs);
+    let indices = buffer.triangles(&textured.faces, positions.len());
+    let image_view = buffer.view(&textured.picture.png(false), None);
 
     let name = params.name.as_deref().unwrap_or("lapis");
     let mut material = json!({
@@ -88,46 +50,19 @@ pub fn glb(solid: &LappedSolid, params: &AtlasParams, exec: &Exec) -> Result<Vec
         material["alphaMode"] = json!("BLEND");
     }
     let document = json!({
-        "asset": { "version": "2.0", "generator": "lapis" },
         "scene": 0,
         "scenes": [{ "name": name, "nodes": [0] }],
         "nodes": [{ "name": name, "mesh": 0 }],
         "meshes": [{ "name": name, "primitives": [{
-            "attributes": { "POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2 }, "indices": 3, "material": 0
+            "attributes": { "POSITION": position, "NORMAL": normal, "TEXCOORD_0": uv }, "indices": indices, "material": 0
         }] }],
         "materials": [material],
         "textures": [{ "sampler": 0, "source": 0 }],
         // Linear, linear between mip levels, clamped.
         "samplers": [{ "magFilter": 9729, "minFilter": 9987, "wrapS": 33071, "wrapT": 33071 }],
-        "images": [{ "name": name, "mimeType": "image/png", "bufferView": image_view }],
-        "accessors": [
-            { "bufferView": position_view, "componentType": FLOAT, "count": count, "type": "VEC3",
-              "min": least, "max": most },
-            { "bufferView": normal_view, "componentType": FLOAT, "count": count, "type": "VEC3" },
-            { "bufferView": uv_view, "componentType": FLOAT, "count": count, "type": "VEC2" },
-            { "bufferView": index_view, "componentType": index_type, "count": indices.len(), "type": "SCALAR" }
-        ],
-        "bufferViews": buffer.views,
-        "buffers": [{ "byteLength": buffer.bytes.len() }]
+        "images": [{ "name": name, "mimeType": "image/png", "bufferView": image_view }]
     });
-    container(document.to_string().into_bytes(), &buffer.bytes)
-}
-
-/// The two chunks of a GLB. `binary` has a multiple of four bytes.
-fn container(mut json: Vec<u8>, binary: &[u8]) -> Result<Vec<u8>, ExportError> {
-    json.resize(json.len().next_multiple_of(4), b' ');
-    let length = 12 + 8 + json.len() + 8 + binary.len();
-    let whole = u32::try_from(length).map_err(|_| ExportError::TooLarge(length as u64))?;
-    let mut file = Vec::with_capacity(length);
-    file.extend_from_slice(b"glTF");
-    file.extend_from_slice(&2u32.to_le_bytes());
-    file.extend_from_slice(&whole.to_le_bytes());
-    for (kind, chunk) in [(b"JSON", &json[..]), (b"BIN\0", binary)] {
-        file.extend_from_slice(&index(chunk.len()).to_le_bytes());
-        file.extend_from_slice(kind);
-        file.extend_from_slice(chunk);
-    }
-    Ok(file)
+    buffer.file(document)
 }
 
 #[cfg(test)]

@@ -2,9 +2,12 @@
 //!
 //! All but VTU show the boundary of a lapped solid, outside and cut faces alike, in the mesh's own axes, with the
 //! normals that [`render`](crate::render) uses ([`Surface`](crate::render::Surface)).
+//!
+//! [`shapes_glb`] and [`shapes_obj`] show the particles that a volume was made of, side by side.
 
 mod atlas;
 mod bake;
+mod buffer;
 mod charts;
 mod format;
 mod glb;
@@ -12,6 +15,7 @@ mod merge;
 mod obj;
 mod pack;
 mod ply;
+mod shapes;
 mod stl;
 mod textured;
 mod vtu;
@@ -21,6 +25,7 @@ pub use format::{ExportFormat, ExportedFile, export};
 pub use glb::glb;
 pub use obj::{ObjFiles, obj};
 pub use ply::{MAX_PLY_FACES, PlyParams, ply};
+pub use shapes::{shapes_glb, shapes_obj};
 pub use stl::stl;
 pub use vtu::vtu;
 

@@ -128,3 +128,47 @@ impl Pairs {
         self.least[first * self.second + second]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::particles::testing::view;
+
+    #[test]
+    fn lines_differ_by_colour_and_where_one_ends() {
+        // A bar of 7 pixels, one of 15 of the same colour, one of 7 that is lighter by a fifth.
+        let bars = view([24, 16], [false; 2], 1, |p| {
+            let row = |y: f64, width: f64| (p.y - y).abs() < 1.5 && p.x > 2.0 && p.x < 2.0 + width;
+            if row(3.5, 7.0) || row(7.5, 15.0) { Some([51; 3]) } else { row(11.5, 7.0).then_some([102; 3]) }
+        });
+        let lines = Lines::new(&bars, &[0, 1, 2], false);
+        let error = |a: usize, b: usize| lines.of(a)[0].error(&lines.of(b)[0]);
+        assert_eq!(error(0, 0), 0.0);
+        // Eight samples of fifteen are of one bar only.
+        assert!((error(0, 1) - 8.0 / 15.0).abs() < 1e-6 && error(0, 1) == error(1, 0));
+        assert!((error(0, 2) - 0.2).abs() < 1e-6);
+        assert!((error(1, 2) - (8.0 + 7.0 * 0.2) / 15.0).abs() < 1e-6);
+        let pairs = Pairs::new(&lines, &lines);
+        assert_eq!((pairs.least(1, 1), pairs.of(0, 1)[0][0]), (0.0, error(0, 1)));
+    }
+
+    #[test]
+    fn centres_move_to_where_lines_agree() {
+        // The centroid of a T lies nearer to its bar than the middle of its height; that of a rectangle lies there.
+        let shapes = view([48, 28], [false; 2], 1, |p| {
+            let within = |x: f64, y: f64, w: f64, h: f64| p.x > x && p.x < x + w && p.y > y && p.y < y + h;
+            let t = within(2.0, 2.0, 23.0, 13.0) || within(8.0, 15.0, 11.0, 10.0);
+            (t || within(30.0, 2.0, 15.0, 23.0)).then_some([90; 3])
+        });
+        let lines = Lines::new(&shapes, &[0, 1], true);
+        let pairs = Pairs::new(&lines, &lines);
+        let at_centroids = pairs.of(0, 1)[0][0];
+        assert!(at_centroids > 0.1, "{at_centroids}");
+        assert!(pairs.least(0, 1) < 0.5 * at_centroids, "{} {at_centroids}", pairs.least(0, 1));
+        let centroid = shapes.profiles.all[0].centroid;
+        for place in 0..PLACES {
+            let from = section(&shapes, 0, place).centre.distance(centroid);
+            assert!(from <= 0.5 * shapes.profiles.all[0].inscribed + 1e-12, "{place}");
+        }
+    }
+}

@@ -138,3 +138,63 @@ fn at_place(at: DVec3, extent: DVec3, list: &[u32], placed: &[Placed], stock: &S
     };
     Near { label: best.2, gauge: best.0 as f32, slope: best.1 as f32, border: border as f32 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::particles::testing::{rectangles, view};
+    use crate::particles::triple::triples;
+    use crate::particles::volume_params::ParticleParams;
+
+    #[test]
+    fn the_nearest_by_brute_force_around_the_volume() {
+        let photo = view(
+            [40; 2],
+            [false; 2],
+            1,
+            rectangles([[2.0, 2.0, 15.0, 7.0], [20.0, 4.0, 7.0, 8.0], [20.0, 20.0, 9.0, 14.0]], [90; 3]),
+        );
+        let views = [Some(&photo); 3];
+        let params = ParticleParams { most_error: 1.0, ..Default::default() };
+        let stock = Stock::new(views, &triples(views, &params), &params, 1.0);
+        let extent = DVec3::new(40.0, 32.0, 36.0);
+        let part = |n: usize, k: usize| (n * k % 101) as f64 / 101.0;
+        let placed: Vec<Placed> = (1..24)
+            .map(|n| Placed {
+                stocked: n * 7 % stock.all.len(),
+                centre: DVec3::new(part(n, 37), part(n, 53), part(n, 71)) * extent,
+            })
+            .collect();
+        let size = [20, 16, 12];
+        let cell = extent / DVec3::new(20.0, 16.0, 12.0);
+        let grown = 1.8;
+        let found = nearest(size, cell, extent, &placed, &stock, grown);
+        let mut known = 0;
+        for (n, near) in found.iter().enumerate() {
+            let at = (DVec3::from([n % 20, n / 20 % 16, n / 320].map(|c| c as f64)) + 0.5) * cell;
+            let gauge =
+                |p: &Placed| stock.all[p.stocked].shape.gauge(way(p.centre, at, extent)).min(f64::INFINITY);
+            let mut all: Vec<(f64, u32)> =
+                placed.iter().enumerate().map(|(k, p)| (gauge(p), k as u32 + 1)).collect();
+            all.sort_by(|a, b| a.0.total_cmp(&b.0));
+            // What does not reach the place when it is larger by the factor need not be found.
+            if all[0].0 <= grown {
+                known += 1;
+                assert!((f64::from(near.gauge) - all[0].0).abs() < 1e-5, "{n}: {near:?} {:?}", &all[..2]);
+                assert!(near.label == all[0].1 || all[1].0 - all[0].0 < 1e-9, "{n}");
+            }
+            if all[1].0 <= grown {
+                let slope = |k: u32| {
+                    let p = &placed[k as usize - 1];
+                    gauge(p) / way(p.centre, at, extent).length()
+                };
+                let border = (all[1].0 - all[0].0) / (slope(all[0].1) + slope(all[1].1));
+                assert!(
+                    (f64::from(near.border) - border).abs() < 1e-4 * (1.0 + border),
+                    "{n}: {near:?} {border}"
+                );
+            }
+        }
+        assert!(known > 2000, "{known}");
+    }
+}

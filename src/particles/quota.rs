@@ -108,3 +108,33 @@ pub(super) fn enlargement(views: [Option<&View>; 3]) -> f64 {
     }
     if count > 0.0 { (count / sum).sqrt() } else { 1.0 }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+    use crate::particles::testing::{discs, rectangles, view};
+
+    #[test]
+    fn particles_are_larger_than_their_profiles() {
+        let disc = view([72; 2], [false; 2], 1, discs([[24.0, 24.0, 20.0], [58.0, 58.0, 10.0]], [90; 3]));
+        let found = enlargement([Some(&disc); 3]);
+        assert!((found - 1.5f64.sqrt()).abs() < 0.02, "{found}");
+        let brick = view(
+            [40; 2],
+            [false; 2],
+            1,
+            rectangles([[2.0, 2.0, 15.0, 7.0], [20.0, 20.0, 9.0, 14.0]], [90; 3]),
+        );
+        assert_eq!(enlargement([Some(&brick), None, Some(&brick)]), 1.0);
+    }
+
+    #[test]
+    fn parts_of_the_volume_are_told_by_distance() {
+        let disc = view([72; 2], [false; 2], 1, discs([[24.0, 24.0, 20.0], [58.0, 58.0, 10.0]], [90; 3]));
+        let quotas = Quotas::new([Some(&disc); 3], DVec3::splat(60.0));
+        assert_eq!((quotas.ball(0.0), quotas.ball(60.0)), (0.0, 1.0));
+        assert!((quotas.ball(30.0) - PI / 6.0).abs() < 0.02, "{}", quotas.ball(30.0));
+    }
+}

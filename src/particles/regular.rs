@@ -216,3 +216,52 @@ fn sites(centres: &[DVec2], along: f64, step: DVec2, mean: f64) -> Option<Vec<Si
     sites.retain(|s| s.profiles.len() * 3 >= usual);
     (sites.len() <= MOST_SITES).then_some(sites)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::particles::testing::{bond, discs, view};
+
+    #[test]
+    fn a_running_bond_has_its_lattice() {
+        for (size, tiles) in [([56, 42], [true; 2]), ([61, 47], [false; 2])] {
+            let wall = view(size, tiles, 1, bond([14.0, 7.0], 2.0, [90; 3]));
+            let found = rows(&wall).unwrap();
+            assert!((found.along - 14.0).abs() < 0.1, "{found:?}");
+            assert!(found.step.distance(DVec2::new(7.0, 7.0)) < 0.1, "{found:?}");
+            assert_eq!((found.sites.len(), found.kept), (1, 1.0));
+        }
+        // A stack: every other course is not shifted.
+        let stack = |p: DVec2| (p.x % 14.0 > 2.0 && p.y % 7.0 > 2.0).then_some([90; 3]);
+        let found = rows(&view([56, 42], [true; 2], 1, stack)).unwrap();
+        assert!(found.step.distance(DVec2::new(0.0, 7.0)) < 0.1, "{found:?}");
+    }
+
+    #[test]
+    fn long_and_short_bricks_in_turn_are_two_sites() {
+        let wall = view([80, 48], [true; 2], 1, |p| {
+            let course = (p.y / 8.0).floor();
+            let x = (p.x + 10.0 * course).rem_euclid(20.0);
+            let inside = (x > 2.0 && x < 12.0) || x > 14.0;
+            (inside && p.y - 8.0 * course > 2.0).then_some([90; 3])
+        });
+        let found = rows(&wall).unwrap();
+        assert!((found.along - 20.0).abs() < 0.1 && found.step.distance(DVec2::new(10.0, 8.0)) < 0.1);
+        assert_eq!(found.sites.len(), 2, "{found:?}");
+        let areas = |s: &Site| s.profiles.iter().map(|&n| wall.profiles.all[n].area).collect::<Vec<_>>();
+        assert!(found.sites.iter().all(|s| areas(s).windows(2).all(|w| w[0] == w[1])));
+    }
+
+    #[test]
+    fn discs_at_random_have_none() {
+        for turn in [0.754_877_666, 0.569_840_291, 0.618_033_989] {
+            // Each in a square of its own, so that none meet, but anywhere in it.
+            let all: [[f64; 3]; 25] = std::array::from_fn(|n| {
+                let [u, v] =
+                    [(n + 1) as f64 * turn * 7.3, (n + 3) as f64 * turn * turn * 11.9].map(f64::fract);
+                [12.0 * (n % 5) as f64 + 3.5 + 5.0 * u, 12.0 * (n / 5) as f64 + 3.5 + 5.0 * v, 3.0]
+            });
+            assert_eq!(rows(&view([60; 2], [true; 2], 1, discs(all, [90; 3]))), None);
+        }
+    }
+}

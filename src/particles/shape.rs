@@ -244,3 +244,130 @@ impl Shape {
 fn direction(section: Axis, along: usize) -> DVec2 {
     if section.right().index() == along { DVec2::X } else { DVec2::Y }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{PI, TAU};
+
+    use super::*;
+    use crate::particles::align::section;
+    use crate::particles::testing::{discs, rectangles, view};
+    use crate::particles::view::View;
+
+    /// The particle of the first profiles of three views.
+    fn shape(views: [Option<&View>; 3]) -> Shape {
+        Shape::new(views.map(|v| Some(section(v?, 0, 0)))).unwrap()
+    }
+
+    fn volume(shape: &Shape) -> f64 {
+        let side = |n: i32| f64::from(n) + 0.5;
+        let cube = (0..64i32.pow(3)).map(|n| [n % 64 - 32, n / 64 % 64 - 32, n / 4096 - 32]);
+        cube.filter(|&c| shape.gauge(DVec3::from(c.map(side))) < 1.0).count() as f64
+    }
+
+    /// A photograph with a rectangle, and another that is of no interest.
+    fn rectangle(width: f64, height: f64) -> View {
+        view([64; 2], [false; 2], 1, rectangles([[2.0, 2.0, width, height], [50.0, 50.0, 5.0, 5.0]], [90; 3]))
+    }
+
+    #[test]
+    fn discs_make_a_ball() {
+        let disc = view([48; 2], [false; 2], 1, discs([[16.0, 16.0, 12.0], [38.0, 38.0, 4.0]], [90; 3]));
+        for views in [[Some(&disc); 3], [Some(&disc), None, Some(&disc)], [None, Some(&disc), Some(&disc)]] {
+            let ball = shape(views);
+            let expected = 4.0 / 3.0 * PI * 12.0f64.powi(3);
+            assert!((volume(&ball) / expected - 1.0).abs() < 0.05, "{} {expected}", volume(&ball));
+            assert!((ball.reach() - 12.0).abs() < 0.6, "{}", ball.reach());
+        }
+    }
+
+    #[test]
+    fn rectangles_make_a_box() {
+        // 12 along x, 16 along y, 21 along z.
+        let (x, y, z) = (rectangle(21.0, 16.0), rectangle(12.0, 21.0), rectangle(12.0, 16.0));
+        let brick = shape([Some(&x), Some(&y), Some(&z)]);
+        let expected = 12.0 * 16.0 * 21.0;
+        assert!((volume(&brick) / expected - 1.0).abs() < 0.05, "{} {expected}", volume(&brick));
+        for (found, half) in brick.bounds().iter().zip([6.0, 8.0, 10.5]) {
+            assert!(found.iter().all(|r| (r - half).abs() < 0.1 * half + 0.5), "{found:?}");
+        }
+        // Across the direction without a photograph it is as full as across the others.
+        let without = shape([Some(&x), None, Some(&z)]);
+        assert!((volume(&without) / expected - 1.0).abs() < 0.1, "{} {expected}", volume(&without));
+    }
+
+    /// Three convex outlines without any symmetry.
+    fn lopsided() -> [View; 3] {
+        [[9.0, 13.0, 0.3], [12.0, 8.0, 1.9], [10.0, 11.0, 4.0]].map(|[a, b, phase]| {
+            view([48; 2], [false; 2], 1, |p| {
+                let d = p - 20.0;
+                let radius = 1.0 + 0.12 * (d.to_angle() + phase).cos();
+                let small = p.distance(DVec2::splat(42.0)) < 3.0;
+                (small || (d / DVec2::new(a, b)).length() < radius).then_some([90; 3])
+            })
+        })
+    }
+
+    #[test]
+    fn in_its_plane_the_third_section_is_the_outline() {
+        let [x, y, z] = lopsided();
+        let made = shape([Some(&x), Some(&y), Some(&z)]);
+        assert_eq!(made.axes[0], 1);
+        let base = section(&y, 0, 0);
+        for k in 0..90 {
+            let direction = DVec2::from_angle(TAU * f64::from(k) / 90.0);
+            let edge = direction * base.reach(direction);
+            // Across y, x runs to the right and z down. Between the angles at which it is known the outline is straight.
+            let gauge = made.gauge(DVec3::new(edge.x, 0.0, edge.y));
+            assert!((gauge - 1.0).abs() < 0.03, "{k}: {gauge}");
+            let seen = made.seen(DVec3::new(edge.x, 0.0, edge.y) * 0.7).unwrap();
+            assert!(seen.points[1].distance(edge * 0.7) < 1e-9);
+        }
+    }
+
+    #[test]
+    fn meridians_lie_on_the_surface() {
+        let [x, y, z] = lopsided();
+        for made in [shape([Some(&x), Some(&y), Some(&z)]), shape([Some(&x), Some(&y), None])] {
+            let mut farthest: f64 = 0.0;
+            for k in 0..40 {
+                for p in made.meridian(0.1 * f64::from(k), 20) {
+                    assert!((made.gauge(p) - 1.0).abs() < 1e-6, "{k} {p}: {}", made.gauge(p));
+                    assert!(made.seen(p * 0.99).is_some() && made.seen(p * 1.01).is_none());
+                    farthest = farthest.max(p.length());
+                    let bounds = made.bounds();
+                    assert!((0..3).all(|a| -bounds[a][0] <= p[a] && p[a] <= bounds[a][1]));
+                }
+            }
+            assert!((farthest / made.reach() - 1.0).abs() < 0.05);
+        }
+    }
+
+    #[test]
+    fn what_is_seen_lies_in_every_section() {
+        let bean = view([64; 2], [false; 2], 1, |p| {
+            let d = p - DVec2::new(24.0, 20.0);
+            let bean = (d / DVec2::new(20.0, 13.0)).length() < 1.0 && d.distance(DVec2::new(0.0, 14.0)) > 8.0;
+            (bean || p.distance(DVec2::splat(56.0)) < 4.0).then_some([90; 3])
+        });
+        assert!(bean.profiles.all[0].convexity < CONVEX);
+        let disc = view([48; 2], [false; 2], 1, discs([[16.0, 16.0, 12.0], [38.0, 38.0, 4.0]], [90; 3]));
+        let made = shape([Some(&disc), Some(&disc), Some(&bean)]);
+        let mut inside = 0;
+        for n in 0..24usize.pow(3) {
+            let p = DVec3::from([n % 24, n / 24 % 24, n / 576].map(|c| 2.0 * c as f64 - 23.0));
+            let Some(seen) = made.seen(p) else { continue };
+            inside += 1;
+            assert!(made.gauge(p) <= 1.0 + 1e-6, "{p}: {}", made.gauge(p));
+            for (a, view) in [&disc, &disc, &bean].into_iter().enumerate() {
+                // To within a pixel of the outline.
+                let reached = (0..9).any(|k| {
+                    let d = DVec2::new(f64::from(k % 3 - 1), f64::from(k / 3 - 1));
+                    section(view, 0, 0).inside(seen.points[a] + d)
+                });
+                assert!(reached, "{p} across {a}: {}", seen.points[a]);
+            }
+        }
+        assert!(inside > 400, "{inside}");
+    }
+}

@@ -211,3 +211,41 @@ fn fitting(stock: &Stock, rows: [Option<&Rows>; 3], m: usize, n: usize) -> Vec<u
     let found = if both.is_empty() { either() } else { both };
     if found.is_empty() { (0..stock.all.len()).collect() } else { found }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::particles::regular::rows;
+    use crate::particles::testing::{bond, view};
+
+    #[test]
+    fn courses_close_around_the_volume() {
+        let wall = view([56, 42], [true; 2], 1, bond([14.0, 7.0], 2.0, [90; 3]));
+        let narrow = view([54, 42], [true; 2], 1, bond([9.0, 7.0], 2.0, [90; 3]));
+        let of = [Some(&narrow), None, Some(&wall)];
+        let lattices = of.map(|v| rows(v?));
+        for extent in [[48.0, 48.0, 48.0], [40.0, 24.0, 31.0], [14.0, 7.0, 9.0], [100.0, 33.0, 20.0]] {
+            let extent = DVec3::from_array(extent);
+            let found = Courses::new(of, lattices.each_ref().map(Option::as_ref), extent).unwrap();
+            let [nx, ny, nz] = found.cells.map(|n| n as f64);
+            assert!((nx * found.along.x - extent.x).abs() < 1e-9, "{found:?}");
+            assert!((nz * found.along.y - extent.z).abs() < 1e-9, "{found:?}");
+            assert!((ny * found.step.y - extent.y).abs() < 1e-9, "{found:?}");
+            // Above the last course comes the first again: all shifts add up to whole cells.
+            for (shift, along) in [(found.step.x, found.along.x), (found.step.z, found.along.y)] {
+                let cells = ny * shift / along;
+                assert!((cells - cells.round()).abs() < 1e-9, "{found:?}");
+            }
+            assert_eq!(found.sites.len(), 1);
+        }
+        let misfit = |views: [Option<&View>; 3]| {
+            let lattices = views.map(|v| rows(v?));
+            Courses::new(views, lattices.each_ref().map(Option::as_ref), DVec3::splat(48.0)).unwrap_err()
+        };
+        assert_eq!(misfit([None, Some(&wall), Some(&wall)]), Misfit::None(0));
+        let high = view([56, 66], [true; 2], 1, bond([14.0, 11.0], 2.0, [90; 3]));
+        assert!(
+            matches!(misfit([Some(&high), None, Some(&wall)]), Misfit::Heights(x, z) if x > 10.5 && z < 7.5)
+        );
+    }
+}

@@ -99,3 +99,58 @@ impl Stocked {
         found.iter().min_by(|f, g| far(f).total_cmp(&far(g))).map(|f| f.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::particles::testing::{discs, view};
+    use crate::particles::triple::triples;
+
+    const TWO: [[f64; 3]; 2] = [[11.0, 11.0, 8.0], [27.0, 27.0, 5.0]];
+
+    #[test]
+    fn colours_are_those_of_a_section_nearest_to_the_mean() {
+        // Red, orange and blue: orange is nearest to their mean.
+        let photo = |first: u32, colour| {
+            let mut view = view([36; 2], [false; 2], 1, discs(TWO, colour));
+            view.first = first;
+            view
+        };
+        let [x, y, z] = [photo(0, [200, 60, 60]), photo(1296, [180, 80, 60]), photo(2592, [60, 60, 200])];
+        let views = [Some(&x), Some(&y), Some(&z)];
+        let params = ParticleParams { most_error: 0.6, ..Default::default() };
+        let found = triples(views, &params);
+        let stock = Stock::new(views, &found, &params, 1.0);
+        assert!(stock.complicated == 0 && !stock.all.is_empty());
+        for stocked in &stock.all {
+            for step in stocked.stencil.iter().step_by(29) {
+                let p = DVec3::from(step.map(f64::from));
+                let pixel = stocked.source(p, views).unwrap();
+                let seen = stocked.shape.seen(p).unwrap().points;
+                let (n, place) = stocked.triple.sections[1].unwrap();
+                assert_eq!(pixel, section(&y, n, place).pixel(seen[1]), "{p}");
+            }
+            assert!(stocked.source(DVec3::splat(20.0), views).is_none());
+        }
+    }
+
+    #[test]
+    fn every_profile_is_of_use_and_a_stencil_is_its_shape() {
+        let disc = view([36; 2], [false; 2], 1, discs(TWO, [90; 3]));
+        let views = [Some(&disc); 3];
+        let params = ParticleParams::default();
+        let found = triples(views, &params);
+        let [whole, smaller] = [1.0, 0.8].map(|placed| Stock::new(views, &found, &params, placed));
+        for of in &whole.with_profile {
+            assert!(of.iter().all(|list| !list.is_empty()));
+        }
+        assert!(whole.all.is_sorted_by(|a, b| a.triple.error <= b.triple.error));
+        for (a, b) in whole.all.iter().zip(&smaller.all) {
+            let inside = |s: &[i16; 3]| a.shape.gauge(DVec3::from(s.map(f64::from)));
+            assert!(a.stencil.iter().all(|s| inside(s) <= 1.0 + 1e-9));
+            assert!(b.stencil.iter().all(|s| inside(s) <= 0.8 + 1e-9));
+            let share = b.stencil.len() as f64 / a.stencil.len() as f64;
+            assert!((share - 0.512).abs() < 0.06, "{share}");
+        }
+    }
+}

@@ -201,3 +201,49 @@ fn align(t: [usize; 3], pairs: &[(Meeting, Pairs)], given: [bool; 3], choices: &
     let sections = [0, 1, 2].map(|a| given[a].then(|| (choices[a][t[a]], best.1[a])));
     Triple { sections, error: best.0 / pairs.len() as f32 }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::particles::testing::{rectangles, view};
+
+    #[test]
+    fn squares_of_one_size_agree_wholly() {
+        let squares = [[2.0, 2.0, 9.0, 9.0], [15.0, 3.0, 9.0, 9.0], [4.0, 16.0, 9.0, 9.0]];
+        let squares = view([32; 2], [false; 2], 1, rectangles(squares, [120, 80, 60]));
+        let found = triples([Some(&squares); 3], &ParticleParams::default());
+        assert_eq!((found.possible, found.tried, found.kept.len()), (27, 27, 27));
+        assert!(found.least == 0.0 && found.kept.iter().all(|t| t.error == 0.0));
+        // Nine profiles in three directions, one triple for each.
+        let few = triples([Some(&squares); 3], &ParticleParams { budget: 9, ..Default::default() });
+        assert!(few.tried <= 9 && !few.kept.is_empty(), "{}", few.tried);
+        // Two directions: one line only, and no section across the third.
+        let two = triples([Some(&squares), None, Some(&squares)], &ParticleParams::default());
+        assert_eq!((two.possible, two.kept.len()), (9, 9));
+        assert!(two.kept.iter().all(|t| t.sections[1].is_none() && t.error == 0.0));
+    }
+
+    #[test]
+    fn classes_are_not_mixed_and_errors_have_a_limit() {
+        let two = view([40, 32], [false; 2], 2, |p| {
+            let square = |x: f64, y: f64, side: f64| p.x > x && p.x < x + side && p.y > y && p.y < y + side;
+            if square(2.0, 2.0, 9.0) || square(2.0, 16.0, 11.0) {
+                Some([200, 40, 40])
+            } else {
+                (square(20.0, 2.0, 9.0) || square(20.0, 16.0, 11.0)).then_some([40, 60, 180])
+            }
+        });
+        let of = |most_error| triples([Some(&two); 3], &ParticleParams { most_error, ..Default::default() });
+        let class = |t: &Triple| t.sections.map(|s| s.map(|(n, _)| two.profiles.all[n].class));
+        let all = of(1.0);
+        // 4³ triples; 2³ of each class.
+        assert_eq!((all.possible, all.tried, all.kept.len()), (64, 16, 16));
+        assert!(all.kept.iter().all(|t| class(t) == [class(t)[0]; 3]));
+        assert!(all.kept.is_sorted_by(|a, b| a.error <= b.error));
+        let worst = f64::from(all.kept[15].error);
+        let strict = of(0.5 * worst);
+        assert!(strict.kept.len() >= 4 && strict.kept.len() < 16);
+        assert!(strict.kept.iter().all(|t| f64::from(t.error) <= 0.5 * worst));
+        assert_eq!(strict.tried, all.tried);
+    }
+}
