@@ -347,7 +347,9 @@ fn what_is_seen_has_the_largest_weight() {
     let mesh = ball(2, 6);
     let fields = fields(&mesh, TextureType::Type1a, 0.8);
     let (params, exec) = (FillParams::default(), Exec::default());
-    let (mut solid, _) = fill(mesh, octants(), TextureType::Type1a, &fields, &params, 7, &exec).unwrap();
+    let exemplar = octants();
+    let (mut solid, _) =
+        fill(mesh, exemplar.clone(), TextureType::Type1a, &fields, &params, 7, &exec).unwrap();
     let mut labels = [0usize; 8];
     for t in 0..solid.mesh.tets.len() {
         for b in [[0.25; 4], [0.7, 0.1, 0.1, 0.1], [0.0, 0.5, 0.0, 0.5], [0.0, 0.0, 1.0, 0.0]] {
@@ -367,7 +369,7 @@ fn what_is_seen_has_the_largest_weight() {
             let most = all.iter().fold(0.0f32, |m, a| m.max(a.0));
             let own = all.iter().find(|a| a.1 == seen.patch && a.2 == seen.uvw).unwrap();
             assert!(own.0 > most - 1e-6, "{seen:?} {all:?}");
-            assert_eq!((seen.exemplar, seen.label), (0, octants().label_at(seen.uvw)));
+            assert_eq!((seen.exemplar, seen.label), (0, exemplar.label_at(seen.uvw)));
             labels[seen.label.unwrap() as usize] += 1;
         }
     }
