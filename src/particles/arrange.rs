@@ -59,8 +59,8 @@ struct Arranger<'a> {
     views: [Option<&'a View>; 3],
     stock: &'a Stock,
     near: [Vec<Vec<Neighbour>>; 3],
-    /// For each photograph the profiles that particles have, by area: what stands in for one that none has.
-    by_area: [Vec<(usize, usize)>; 3],
+    /// By axis and profile: itself, where particles have it, else the most similar one that they have.
+    stand_in: [Vec<usize>; 3],
     order: Order,
     rng: ChaCha8Rng,
     /// Candidates that are in the layer, and the others.
@@ -78,29 +78,24 @@ pub(super) fn arrange(
     params: &ParticleParams,
     order: Order,
     seed: u64,
-    quotas: Quotas,
     exec: &Exec,
 ) -> Result<(Space, Vec<Placed>), Cancelled> {
     let near = views.map(|v| v.map_or_else(Vec::new, |v| neighbours(v, params.neighbours)));
-    let by_area = [0, 1, 2].map(|a| {
-        let Some(view) = views[a] else { return Vec::new() };
-        let has = |n: &usize| !stock.with_profile[a][*n].is_empty();
-        let mut all: Vec<(usize, usize)> =
-            (0..view.profiles.all.len()).filter(has).map(|n| (view.profiles.all[n].area, n)).collect();
-        all.sort_unstable();
-        all
-    });
+    let stand_in =
+        [0, 1, 2].map(|a| views[a].map_or_else(Vec::new, |view| stand_ins(view, &stock.with_profile[a])));
+    let size = params.size.0.map(|n| n as usize);
+    let quotas = Quotas::new(views, &stand_in, DVec3::from(size.map(|n| n as f64)));
     let mut arranger = Arranger {
         views,
         stock,
         near,
-        by_area,
+        stand_in,
         order,
         rng: ChaCha8Rng::seed_from_u64(seed),
         open: [BinaryHeap::new(), BinaryHeap::new()],
         count: 0,
         quotas,
-        space: Space::new(params.size.0.map(|n| n as usize)),
+        space: Space::new(size),
         placed: Vec::new(),
     };
     arranger.run(exec)?;
@@ -138,8 +133,10 @@ impl Arranger<'_> {
 
     /// Puts what is still missing wherever it fits, the large ones first.
     fn rest(&mut self, exec: &Exec) -> Result<(), Cancelled> {
-        let Some(axis) = (0..3).find(|&a| !self.by_area[a].is_empty()) else { return Ok(()) };
-        let profiles: Vec<usize> = self.by_area[axis].iter().rev().map(|p| p.1).collect();
+        let Some((axis, view)) = (0..3).find_map(|a| Some((a, self.views[a]?))) else { return Ok(()) };
+        let mut profiles = self.stand_in[axis].clone();
+        profiles.sort_by_key(|&n| (std::cmp::Reverse(view.profiles.all[n].area), n));
+        profiles.dedup();
         let mut left = self.quotas.tries();
         for profile in profiles {
             exec.check()?;
@@ -148,6 +145,9 @@ impl Arranger<'_> {
                 while tries > 0 {
                     (tries, left) = (tries - 1, left - 1);
                     let list = &self.stock.with_profile[axis][profile];
+                    if list.is_empty() {
+                        break;
+                    }
                     let stocked = list[(self.rng.next_u64() % list.len() as u64) as usize];
                     let voxel = self.space.size.map(|n| (self.rng.next_u64() % n as u64) as i32);
                     if self.space.is_free(voxel, &self.stock.all[stocked].stencil) {
@@ -170,7 +170,7 @@ impl Arranger<'_> {
         if self.space.labels[self.space.at(voxel, [0; 3])] != super::space::FREE {
             return;
         }
-        let profile = self.stand_in(candidate.axis, candidate.profile);
+        let profile = self.stand_in[candidate.axis][candidate.profile];
         if !self.quotas.wanted(candidate.axis, profile, self.placed.len()) {
             return;
         }
@@ -201,18 +201,6 @@ impl Arranger<'_> {
         };
         let section = super::align::section(view, profile, place);
         in_space(axis, (section.centre - view.profiles.all[profile].centroid) * view.scale)
-    }
-
-    /// The profile itself, or the one of about its size that particles have.
-    fn stand_in(&self, axis: usize, profile: usize) -> usize {
-        if !self.stock.with_profile[axis][profile].is_empty() || self.by_area[axis].is_empty() {
-            return profile;
-        }
-        let Some(view) = self.views[axis] else { return profile };
-        let area = view.profiles.all[profile].area;
-        let list = &self.by_area[axis];
-        let n = list.partition_point(|&(a, _)| a < area).min(list.len() - 1);
-        list[n].1
     }
 
     fn place(&mut self, stocked: usize, centre: DVec3) {
@@ -256,4 +244,16 @@ impl Arranger<'_> {
         let key = ((distance * 4096.0) as u64, self.count);
         self.open[heap].push(Reverse(Candidate { axis, profile, at, key }));
     }
+}
+
+/// What stands in for the profiles that no particle has: of those that some have, one of the same class, if there is any, and
+/// of about the same area.
+fn stand_ins(view: &View, with_profile: &[Vec<usize>]) -> Vec<usize> {
+    let all = &view.profiles.all;
+    let has: Vec<usize> = (0..all.len()).filter(|&n| !with_profile[n].is_empty()).collect();
+    let nearest = |n: usize| {
+        let differs = |&m: &usize| (all[m].class != all[n].class, all[m].area.abs_diff(all[n].area), m);
+        has.iter().copied().min_by_key(differs).unwrap_or(n)
+    };
+    (0..all.len()).map(|n| if with_profile[n].is_empty() { nearest(n) } else { n }).collect()
 }

@@ -33,6 +33,9 @@ pub(super) fn fill(
     Ok(fill_in(&Exemplars { photos, directions: exemplars.directions }, given, params, seed, exec)?)
 }
 
+/// Half a joint is at most that part of a particle's size.
+const NEAREST: f64 = 0.1;
+
 /// Half the mean width of the matrix in the photographs, in voxels: its area over the length of its border.
 pub(super) fn half_width(views: [Option<&View>; 3]) -> f64 {
     let of = |view: &&View| {
@@ -49,7 +52,10 @@ pub(super) fn half_width(views: [Option<&View>; 3]) -> f64 {
         }
         // Along slanting borders pixels' sides are longer than the border, by 4/π on the mean. Both sides of a joint are its
         // border, so that this is half its width.
-        area / (border * std::f64::consts::FRAC_PI_4).max(1.0) * 0.5 * (view.scale.x + view.scale.y)
+        let width = area / (border * std::f64::consts::FRAC_PI_4).max(1.0);
+        // Where particles are far apart, that is no joint, and says nothing of how near they may come.
+        let size = ((p.labels.len() as f64 - area) / p.all.len() as f64).sqrt();
+        width.min(NEAREST * size) * 0.5 * (view.scale.x + view.scale.y)
     };
     let all: Vec<f64> = views.iter().flatten().map(of).collect();
     all.iter().sum::<f64>() / all.len().max(1) as f64

@@ -27,13 +27,17 @@ pub(super) struct Quotas {
 }
 
 impl Quotas {
-    /// For a volume of that many voxels along its sides.
-    pub(super) fn new(views: [Option<&View>; 3], extent: DVec3) -> Self {
-        let wanted = views.map(|view| {
-            let Some(view) = view else { return Vec::new() };
+    /// For a volume of that many voxels along its sides. `stand_in` has for each axis and profile the one that particles have
+    /// in its place: itself, where any has it.
+    pub(super) fn new(views: [Option<&View>; 3], stand_in: &[Vec<usize>; 3], extent: DVec3) -> Self {
+        let wanted = [0, 1, 2].map(|a| {
+            let Some(view) = views[a] else { return Vec::new() };
             let [w, h] = view.photo.size().map(f64::from);
-            let of = |n: usize| extent.element_product() / (w * h) / view.height(n);
-            (0..view.profiles.all.len()).map(of).collect::<Vec<f64>>()
+            let mut wanted = vec![0.0; view.profiles.all.len()];
+            for (n, &stand_in) in stand_in[a].iter().enumerate() {
+                wanted[stand_in] += extent.element_product() / (w * h) / view.height(n);
+            }
+            wanted
         });
         let totals: Vec<f64> = wanted.iter().filter(|w| !w.is_empty()).map(|w| w.iter().sum()).collect();
         let total = totals.iter().sum::<f64>() / totals.len().max(1) as f64;
@@ -133,7 +137,8 @@ mod tests {
     #[test]
     fn parts_of_the_volume_are_told_by_distance() {
         let disc = view([72; 2], [false; 2], 1, discs([[24.0, 24.0, 20.0], [58.0, 58.0, 10.0]], [90; 3]));
-        let quotas = Quotas::new([Some(&disc); 3], DVec3::splat(60.0));
+        let own = [(); 3].map(|()| (0..disc.profiles.all.len()).collect());
+        let quotas = Quotas::new([Some(&disc); 3], &own, DVec3::splat(60.0));
         assert_eq!((quotas.ball(0.0), quotas.ball(60.0)), (0.0, 1.0));
         assert!((quotas.ball(30.0) - PI / 6.0).abs() < 0.02, "{}", quotas.ball(30.0));
     }

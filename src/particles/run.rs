@@ -8,7 +8,7 @@ use super::grow::{Growth, NOTHING, grow};
 use super::library::Library;
 use super::matrix::half_width;
 use super::profile::Profiles;
-use super::quota::{Quotas, enlargement};
+use super::quota::enlargement;
 use super::regular::{Rows, rows};
 use super::repel::repel;
 use super::report::ParticleReport;
@@ -155,7 +155,7 @@ fn run(
             report.smaller = smaller;
             (space, placed)
         }
-        None => arrange(views, &stock, params, params.order, seed, Quotas::new(views, extent), exec)?,
+        None => arrange(views, &stock, params, params.order, seed, exec)?,
     };
     report.overlap = space.overlap;
     report.fraction_placed = space.fraction();
