@@ -113,8 +113,12 @@ mod tests {
     }
 
     #[test]
-    fn a_quarter_in_two_pieces_has_none() {
-        assert!(outline(&|p| p.x + p.y < 0.2, 9).is_some());
-        assert!(outline(&|_| true, 9).is_none());
+    fn the_half_axes_belong_to_it_and_so_does_nothing_beyond_them() {
+        // What is left between the axes is one cell wide, or goes on beyond them without reaching around.
+        for inside in [&|p: DVec2| p.x + p.y < 0.2, &|_: DVec2| true] as [&dyn Fn(DVec2) -> bool; 2] {
+            let line = outline(inside, 9).unwrap();
+            assert_eq!((line[0], line[8]), (DVec2::X, DVec2::Y));
+            assert!(line.iter().all(|p| p.min_element() >= 0.0));
+        }
     }
 }

@@ -211,14 +211,14 @@ mod tests {
     fn squares_of_one_size_agree_wholly() {
         let squares = [[2.0, 2.0, 9.0, 9.0], [15.0, 3.0, 9.0, 9.0], [4.0, 16.0, 9.0, 9.0]];
         let squares = view([32; 2], [false; 2], 1, rectangles(squares, [120, 80, 60]));
-        let found = triples([Some(&squares); 3], &ParticleParams::default());
+        let found = triples([Some(&squares); 3], None, &ParticleParams::default());
         assert_eq!((found.possible, found.tried, found.kept.len()), (27, 27, 27));
         assert!(found.least == 0.0 && found.kept.iter().all(|t| t.error == 0.0));
         // Nine profiles in three directions, one triple for each.
-        let few = triples([Some(&squares); 3], &ParticleParams { budget: 9, ..Default::default() });
+        let few = triples([Some(&squares); 3], None, &ParticleParams { budget: 9, ..Default::default() });
         assert!(few.tried <= 9 && !few.kept.is_empty(), "{}", few.tried);
         // Two directions: one line only, and no section across the third.
-        let two = triples([Some(&squares), None, Some(&squares)], &ParticleParams::default());
+        let two = triples([Some(&squares), None, Some(&squares)], None, &ParticleParams::default());
         assert_eq!((two.possible, two.kept.len()), (9, 9));
         assert!(two.kept.iter().all(|t| t.sections[1].is_none() && t.error == 0.0));
     }
@@ -233,7 +233,8 @@ mod tests {
                 (square(20.0, 2.0, 9.0) || square(20.0, 16.0, 11.0)).then_some([40, 60, 180])
             }
         });
-        let of = |most_error| triples([Some(&two); 3], &ParticleParams { most_error, ..Default::default() });
+        let of =
+            |most_error| triples([Some(&two); 3], None, &ParticleParams { most_error, ..Default::default() });
         let class = |t: &Triple| t.sections.map(|s| s.map(|(n, _)| two.profiles.all[n].class));
         let all = of(1.0);
         // 4³ triples; 2³ of each class.
