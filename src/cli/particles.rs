@@ -203,7 +203,7 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
                 particles(&exemplars, &args.params, &args.edits, seed, session.exec()).map_err(failure)?;
             let from = Recolour { particles: of_particles.as_ref(), matrix: of_matrix.as_ref() };
             if of_particles.is_some() || of_matrix.is_some() {
-                volume.texture = recoloured(volume.texture, from)?;
+                volume.texture = recoloured(&volume.texture, from)?;
             }
             report.took("particles", start);
             report.add(&measured);

@@ -134,7 +134,7 @@ pub struct Recolour<'a> {
 ///
 /// # Errors
 /// [`ParticleError::NoLabels`].
-pub fn recoloured(texture: SolidTexture, from: Recolour<'_>) -> Result<SolidTexture, ParticleError> {
+pub fn recoloured(texture: &SolidTexture, from: Recolour<'_>) -> Result<SolidTexture, ParticleError> {
     let Some(labels) = texture.labels() else { return Err(ParticleError::NoLabels) };
     let labels = labels.to_vec();
     let [nx, ny, nz] = texture.size().map(|n| n as usize);

@@ -8,12 +8,12 @@
 //! |---|---|
 //! | `mask`, `contrast`, `watershed`, `distance`, `grid` | where particles are in a photograph |
 //! | `profile`, `outline`, `classes` | their cross-sections |
-//! | `view`, `section`, `align`, `triple` | which cross-sections belong together |
+//! | `view`, `seen`, `section`, `align`, `triple` | which cross-sections belong together |
 //! | `quarter`, `morph`, `quarter_outline`, `shape`, `stock`, `library` | particles swept from them |
 //! | `neighbours`, `quota`, `arrange` | where they go: beside each other as in the photographs |
 //! | `regular`, `sites` | where they go: on the photographs' lattice |
 //! | `space`, `cells`, `repel`, `grow`, `pieces` | the volume that they fill, and how they come to fill it |
-//! | `matrix`, `edit`, `measure`, `report`, `run` | what lies between them, changes, measures, all in turn |
+//! | `lay`, `matrix`, `edit`, `measure`, `report`, `run` | what lies between them, changes, measures, all in turn |
 
 mod align;
 mod arrange;
@@ -25,6 +25,7 @@ mod edit;
 mod error;
 mod grid;
 mod grow;
+mod lay;
 mod library;
 mod mask;
 mod matrix;
@@ -43,6 +44,7 @@ mod repel;
 mod report;
 mod run;
 mod section;
+mod seen;
 mod shape;
 mod sites;
 mod space;

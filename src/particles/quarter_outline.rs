@@ -15,7 +15,7 @@ pub(super) fn outline(inside: &dyn Fn(DVec2) -> bool, points: usize) -> Option<V
     let mut cells = vec![false; WIDE * WIDE];
     let middle = |n: usize| DVec2::new((n % WIDE) as f64 + 0.5, (n / WIDE) as f64 + 0.5) / CELLS as f64;
     // The half-axes belong to it as far as they go.
-    let on_axis = |n: usize| (n / WIDE == 0 && n % WIDE < CELLS) || (n % WIDE == 0 && n / WIDE < CELLS);
+    let on_axis = |n: usize| (n < CELLS) || (n.is_multiple_of(WIDE) && n / WIDE < CELLS);
     let mut open = vec![0];
     cells[0] = true;
     while let Some(n) = open.pop() {

@@ -44,7 +44,7 @@ pub struct ParticleReport {
     pub smaller: usize,
     /// By how much photographs were stretched along x, y and z so that a lattice fits the volume.
     pub stretch: [f64; 3],
-    /// By how much particles are larger than their profiles, since slices do not meet them in their middles.
+    /// By how much particles are larger than their profiles: slices do not meet them in their middles.
     pub enlargement: f64,
 }
 
@@ -83,6 +83,12 @@ impl ParticleReport {
             Some(nearest_on_slices(space, axis)? / (nearest_of_profiles(&view.profiles)? * scale))
         });
         (self.components, self.largest_component) = components(space, particles);
+    }
+
+    /// How far apart profiles are on slices, over how far in the photographs: between the directions' least and most.
+    pub(super) fn nearest_off(&self) -> Option<f64> {
+        let all = || self.nearest.iter().flatten().copied();
+        Some((all().reduce(f64::min)? * all().reduce(f64::max)?).sqrt())
     }
 
     /// Measures the volume's colours.

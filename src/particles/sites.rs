@@ -14,6 +14,8 @@ use crate::exec::{Cancelled, Exec};
 
 /// Courses of two photographs whose heights differ by more are not the same.
 const ALIKE: f64 = 0.15;
+/// Places of a cell that the volume may begin at.
+const PLACES: usize = 16;
 /// Particles that are tried at a site before one is made smaller.
 const TRIES: usize = 24;
 
@@ -101,8 +103,14 @@ impl Courses {
         };
         let mut sites = (0..of_x.sites.len()).map(matches).max_by_key(Vec::len).unwrap_or_default();
         let Some(first) = sites.first().map(|s| s.0) else { return Err(Misfit::Levels) };
-        // The volume wraps in the middle of particles: a joint there would look like a seam.
         sites.iter_mut().for_each(|s| s.0 -= first);
+        // The volume wraps in the midst of particles: a joint there would look like a seam.
+        let apart = 0.25 * step.y / of_z.levels.max(of_x.levels) as f64;
+        let begin = [(0, fitted.x), (2, fitted.y)].map(|(a, along)| {
+            let heights: Vec<[f64; 2]> = sites.iter().map(|s| [s.0.y, s.0[a]]).collect();
+            off_joints(&heights, along, step[a], ny as usize, apart)
+        });
+        sites.iter_mut().for_each(|s| s.0 -= DVec3::new(begin[0], 0.0, begin[1]));
         Ok(Self { cells: [nx, ny, nz].map(|n| n as usize), stretch, step, along: fitted, sites })
     }
 
@@ -179,6 +187,31 @@ impl Courses {
     }
 }
 
+/// Where along a cell the joints of all courses are as far as can be. Sites are given by height and place; a joint is taken to
+/// be half-way between two whose heights differ by less than `apart`.
+fn off_joints(sites: &[[f64; 2]], along: f64, shift: f64, courses: usize, apart: f64) -> f64 {
+    let mut joints = Vec::new();
+    for reference in sites {
+        let level = sites.iter().filter(|s| (s[0] - reference[0]).abs() < apart);
+        let mut places: Vec<f64> = level.map(|s| s[1].rem_euclid(along)).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup_by(|a, b| *a - *b < 0.05 * along);
+        for (k, &from) in places.iter().enumerate() {
+            let to = places.get(k + 1).copied().unwrap_or(places[0] + along);
+            joints.extend((0..courses).map(|course| 0.5 * (from + to) + shift * course as f64));
+        }
+    }
+    let far = |at: f64| {
+        let off = |joint: &f64| (joint - at - along * ((joint - at) / along).round()).abs();
+        joints.iter().map(off).fold(f64::INFINITY, f64::min)
+    };
+    let places = (0..PLACES).map(|k| along * k as f64 / PLACES as f64);
+    // The first of those that are as good.
+    places
+        .fold((0.0, f64::NEG_INFINITY), |best, at| if far(at) > best.1 + 1e-9 { (at, far(at)) } else { best })
+        .0
+}
+
 /// The largest part of a particle, smaller on all sides, that meets no other.
 fn shrunk(stocked: &Stocked, space: &Space, voxel: [i32; 3]) -> Vec<[i16; 3]> {
     let gauge = |s: &[i16; 3]| stocked.shape.gauge(DVec3::from(s.map(f64::from)));
@@ -217,6 +250,14 @@ mod tests {
     use super::*;
     use crate::particles::regular::rows;
     use crate::particles::testing::{bond, view};
+
+    #[test]
+    fn the_volume_begins_off_all_joints() {
+        // A running bond: joints at 7 and at 0 of 14.
+        assert_eq!(off_joints(&[[0.0, 0.0]], 14.0, 7.0, 2, 1.0), 3.5);
+        // Joints at 1 and at 7, at all heights, and places in steps of a sixteenth.
+        assert_eq!(off_joints(&[[0.0, 4.0], [0.0, 10.0]], 12.0, 0.0, 3, 1.0), 3.75);
+    }
 
     #[test]
     fn courses_close_around_the_volume() {

@@ -50,9 +50,9 @@ impl Stock {
         let all: Vec<Stocked> = built.into_iter().flatten().collect();
         let mut with_profile = profiles.map(|n| vec![Vec::new(); n]);
         for (k, stocked) in all.iter().enumerate() {
-            for a in 0..3 {
-                if let Some((n, _)) = stocked.triple.sections[a] {
-                    with_profile[a][n].push(k);
+            for (of, section) in with_profile.iter_mut().zip(stocked.triple.sections) {
+                if let Some((n, _)) = section {
+                    of[n].push(k);
                 }
             }
         }
@@ -86,9 +86,9 @@ impl Stocked {
         let seen = self.shape.seen(p)?;
         let mut found = [(0, [0.0; 3]); 3];
         let mut count = 0;
-        for a in 0..3 {
-            if let (Some(view), Some((profile, place))) = (views[a], self.triple.sections[a]) {
-                let pixel = section(view, profile, place).pixel(seen.points[a]);
+        for ((view, of), point) in views.into_iter().zip(self.triple.sections).zip(seen.points) {
+            if let (Some(view), Some((profile, place))) = (view, of) {
+                let pixel = section(view, profile, place).pixel(point);
                 found[count] = (pixel, view.rgb(pixel));
                 count += 1;
             }

@@ -91,7 +91,8 @@ pub struct ParticleParams {
     #[arg(long, value_name = "N", default_value_t = Self::default().stock)]
     pub stock: usize,
     /// By how much particles are larger than their profiles, 0.5 to 3: 1 where the photographs show particles whole, more where
-    /// they show a cut, which does not meet them in their middles [default: half-way between the two]
+    /// they show a cut, which does not meet them in their middles [default: such that particles are as far from each other on slices
+    /// as in the photographs]
     #[arg(long, value_name = "FACTOR")]
     pub enlarge: Option<f64>,
     /// Nearest profiles that count as a profile's neighbours

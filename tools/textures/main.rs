@@ -6,10 +6,11 @@
 //! oblique slice, the volume as a cube), NAME.nrrd, and tables.md. With names, only these are made. The ablations are
 //! made of one photograph, as in Figure 6 of Chen & Wang 2010.
 
+#[path = "../contact.rs"]
+mod contact;
 #[path = "../gallery/cube.rs"]
 mod cube;
 mod end_grain;
-mod sheet;
 mod table;
 
 use std::error::Error;
@@ -18,14 +19,17 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
 
+use contact::Tile;
+use glam::DVec3;
 use lapis::assess::{AssessParams, Assessment, assess};
+use lapis::colour::encode;
 use lapis::exec::Exec;
 use lapis::files::write_whole;
 use lapis::photo::{self, Photograph};
 use lapis::synthesis::{
     Axis, Exemplar, Exemplars, Size, Synthesis, SynthesisParams, SynthesisReport, synthesise,
 };
-use lapis::volume;
+use lapis::volume::{self, SolidTexture};
 
 /// A photograph, and which slices it is for.
 struct Source {
@@ -75,6 +79,9 @@ const SOURCES: [Source; 14] = [
         end: None,
     },
 ];
+
+/// The side of a picture on a sheet, in pixels.
+const SIDE: u32 = 256;
 
 /// The photograph of the ablations.
 const ABLATED: &str = "pebbles";
@@ -192,8 +199,23 @@ fn one(
     Ok((made, synthesis))
 }
 
-/// The contact sheet.
+/// The contact sheet: the photographs, the middle slices across x, y and z, an oblique slice, and the cube.
 fn sheet(synthesis: &Synthesis, volume: &Path, to: &Path) -> Result<(), Box<dyn Error>> {
     let cube = cube::picture(volume, &Exec::default())?;
-    Ok(write_whole(to, &sheet::jpeg(synthesis, &cube)?)?)
+    let mut row: Vec<Tile<'_>> = synthesis.photos.iter().map(contact::photograph).collect();
+    row.extend(Axis::ALL.map(|axis| contact::slice(&synthesis.texture, axis)));
+    row.extend([oblique(&synthesis.texture), contact::picture(&cube)]);
+    let width = row.len() as u32 * (SIDE + contact::GAP) - contact::GAP;
+    Ok(write_whole(to, &contact::jpeg(&[row], width)?)?)
+}
+
+/// A slice through the middle, aslant to all axes.
+fn oblique(texture: &SolidTexture) -> Tile<'_> {
+    let normal = DVec3::new(0.48, 0.62, 0.62).normalize();
+    let (right, down) =
+        (DVec3::Y.cross(normal).normalize(), normal.cross(DVec3::Y.cross(normal)).normalize());
+    Box::new(move |u, v| {
+        let p = DVec3::splat(0.5) + (right * (u - 0.5) + down * (v - 0.5)) * 0.8;
+        encode(texture.sample(p.as_vec3().to_array()))
+    })
 }
