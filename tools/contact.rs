@@ -57,11 +57,11 @@ pub(crate) fn picture(picture: &Picture) -> Tile<'_> {
     Box::new(move |u, v| picture.pixel(pixel(u, picture.width), pixel(v, picture.height)))
 }
 
-/// The middle slice across an axis.
-pub(crate) fn slice(texture: &SolidTexture, axis: Axis) -> Tile<'_> {
+/// The slice across an axis at a place from 0 to 1.
+pub(crate) fn slice(texture: &SolidTexture, axis: Axis, place: f64) -> Tile<'_> {
     let size = UVec3::from(texture.size());
     Box::new(move |u, v| {
-        let mut p = size.as_dvec3() * 0.5;
+        let mut p = size.as_dvec3() * place;
         p[axis.right().index()] = u * f64::from(size[axis.right().index()]);
         p[axis.down().index()] = v * f64::from(size[axis.down().index()]);
         let p = p.as_uvec3().min(size - 1);

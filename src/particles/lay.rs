@@ -24,7 +24,7 @@ const PAIRS: usize = 600;
 /// Volumes that are made in search of the size of particles, and how near their nearest distances are to come to the
 /// photographs'.
 const TRIALS: usize = 3;
-const NEAR: f64 = 0.04;
+const NEAR: f64 = 0.06;
 /// How much larger than their profiles particles may be for that.
 const LARGER: std::ops::RangeInclusive<f64> = 0.8..=1.8;
 

@@ -112,6 +112,9 @@ fn lattice(view: &View) -> Option<Rows> {
     })?;
     let step = DVec2::new(step.x.rem_euclid(along.x), step.y);
     let kept = board.kept(along, mean).min(board.kept(step, mean));
+    if kept < KEPT {
+        return None;
+    }
     let sites = sites(&board, along.x, step, mean)?;
     let levels = sites.len();
     Some(Rows { along: along.x, step, sites, levels, kept })

@@ -38,6 +38,8 @@ pub struct ParticleReport {
     pub largest_component: f64,
     /// The step of colour across the wrap over that inside, the largest of the axes.
     pub wrap_seam: Option<f64>,
+    /// The largest step of colour between two layers inside over the mean, along the same axis.
+    pub wrap_seam_inside: Option<f64>,
     /// The part of the profiles that lie on a lattice, where particles were put on one.
     pub lattice: Option<f64>,
     /// On a lattice, particles that had to be made smaller to fit.
@@ -64,6 +66,7 @@ impl Default for ParticleReport {
             components: 0,
             largest_component: 0.0,
             wrap_seam: None,
+            wrap_seam_inside: None,
             lattice: None,
             smaller: 0,
             stretch: [1.0; 3],
@@ -93,6 +96,8 @@ impl ParticleReport {
 
     /// Measures the volume's colours.
     pub(super) fn measure_colours(&mut self, texture: &SolidTexture) {
-        self.wrap_seam = wrap_seam(texture).into_iter().flatten().reduce(f64::max);
+        let largest = wrap_seam(texture).into_iter().flatten().max_by(|a, b| a.step.total_cmp(&b.step));
+        self.wrap_seam = largest.map(|s| s.step);
+        self.wrap_seam_inside = largest.map(|s| s.inside);
     }
 }

@@ -21,31 +21,46 @@ pub(super) fn coverage(counts: &[u32]) -> f64 {
     counts.iter().filter(|&&c| c > 0).count() as f64 / counts.len().max(1) as f64
 }
 
-/// For each axis along which the texture tiles, the mean step of colour from its last layer to its first, over that
-/// between layers inside; `None` along others.
-#[must_use]
-pub fn wrap_seam(texture: &SolidTexture) -> [Option<f64>; 3] {
+/// The sums of all steps of colour from each layer across an axis to the next, the last one's to the first layer.
+fn layer_steps(texture: &SolidTexture, axis: usize) -> Vec<u64> {
     let size = texture.size().map(|n| n as usize);
     let voxels = texture.voxels();
-    let strides = [1, size[0], size[0] * size[1]];
+    let stride = size[..axis].iter().product::<usize>();
+    let mut steps = vec![0; size[axis]];
+    for (n, from) in voxels.iter().enumerate() {
+        let layer = n / stride % size[axis];
+        let to = voxels[if layer + 1 == size[axis] { n - layer * stride } else { n + stride }];
+        steps[layer] += (0..3).map(|k| u64::from(from[k].abs_diff(to[k]))).sum::<u64>();
+    }
+    steps
+}
+
+/// The step of colour from a volume's last layer to its first, along an axis that it tiles along.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WrapSeam {
+    /// The mean step over that between layers inside: 1 where nothing shows.
+    pub step: f64,
+    /// The largest mean step between two layers inside, over that of all: what is made of things has layers where many of
+    /// them end.
+    pub inside: f64,
+}
+
+/// For each axis along which the texture tiles, how large the step from its last layer to its first is; `None` along others.
+#[must_use]
+pub fn wrap_seam(texture: &SolidTexture) -> [Option<WrapSeam>; 3] {
     [0, 1, 2].map(|a: usize| {
-        if !texture.tiles()[a] || size[a] < 3 {
+        if !texture.tiles()[a] || texture.size()[a] < 3 {
             return None;
         }
-        let (mut inner, mut outer) = (0u64, 0u64);
-        for (n, from) in voxels.iter().enumerate() {
-            let last = n / strides[a] % size[a] + 1 == size[a];
-            let to = voxels[if last { n - (size[a] - 1) * strides[a] } else { n + strides[a] }];
-            let step: u32 = (0..3).map(|k| u32::from(from[k].abs_diff(to[k]))).sum();
-            if last { outer += u64::from(step) } else { inner += u64::from(step) }
-        }
-        // Of the layers inside there are one fewer than voxels along the axis; of the seam there is one.
-        let inner = inner as f64 / (size[a] - 1) as f64;
-        Some(match (outer, inner == 0.0) {
+        let steps = layer_steps(texture, a);
+        let (outer, inner) = steps.split_last()?;
+        let mean = inner.iter().sum::<u64>() as f64 / inner.len() as f64;
+        let over = |step: u64| match (step, mean == 0.0) {
             (0, true) => 1.0,
             (_, true) => f64::INFINITY,
-            _ => outer as f64 / inner,
-        })
+            _ => step as f64 / mean,
+        };
+        Some(WrapSeam { step: over(*outer), inside: over(*inner.iter().max()?) })
     })
 }
 
@@ -54,7 +69,7 @@ impl SynthesisReport {
     pub(super) fn measure(&mut self, texture: &SolidTexture, counts: &[u32]) {
         self.position_entropy = entropy(counts);
         self.position_coverage = coverage(counts);
-        self.wrap_seam = wrap_seam(texture).into_iter().flatten().reduce(f64::max);
+        self.wrap_seam = wrap_seam(texture).into_iter().flatten().map(|s| s.step).reduce(f64::max);
     }
 }
 
@@ -76,7 +91,7 @@ mod tests {
         let voxels = (0..8 * 4 * 4).map(|n| [(n % 8 * 10) as u8, 0, 0, 255]).collect();
         let texture = SolidTexture::new([8, 4, 4], voxels, [true, true, false]).unwrap();
         let [x, y, z] = wrap_seam(&texture);
-        assert!((x.unwrap() - 7.0).abs() < 1e-9);
-        assert_eq!((y, z), (Some(1.0), None));
+        assert_eq!(x, Some(WrapSeam { step: 7.0, inside: 1.0 }));
+        assert_eq!((y, z), (Some(WrapSeam { step: 1.0, inside: 1.0 }), None));
     }
 }

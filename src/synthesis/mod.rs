@@ -40,7 +40,7 @@ mod windows;
 pub use axes::{Axes, Axis};
 pub use exemplar::{Exemplar, Exemplars, Feature, working_photograph};
 pub use fill_in::fill_in;
-pub use measure::wrap_seam;
+pub use measure::{WrapSeam, wrap_seam};
 pub use params::{Size, SynthesisParams};
 pub use result::{LevelView, Synthesis, SynthesisReport};
 pub use run::synthesise;

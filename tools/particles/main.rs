@@ -3,7 +3,7 @@
 //!     cargo run --release --example particles -- FOLDER OUT [--size N] [NAME…]
 //!
 //! FOLDER holds the photographs by the names of `sources.rs`; OUT gets NAME.jpg, NAME.nrrd with its labels, and
-//! tables.md. With names, only these are made. On a sheet, first row: the photograph, its mask, slices of the volume across
+//! tables.md; and of the bricks brick-tube.jpg, a bent tube that is filled with them. With names, only these are made. On a sheet, first row: the photograph, its mask, slices of the volume across
 //! x, y and z, and one of what `lapis synthesise` makes of the photograph; second row: the volume as a cube before and
 //! after refinement, its particles alone before and after, and the cube of `lapis synthesise`; below: the ten best and the
 //! ten worst particles.
@@ -14,6 +14,7 @@ mod march;
 mod shapes;
 mod sources;
 mod table;
+mod tube;
 
 use std::error::Error;
 use std::fs;
@@ -37,6 +38,8 @@ use sources::Source;
 /// The width of a sheet, and the side of a cube's picture, in pixels.
 const WIDTH: u32 = 1560;
 const CUBE: u32 = 384;
+/// What the tube is built of.
+const BRICKS: &str = "bricks";
 /// Particles in a row.
 const ROW: usize = 10;
 
@@ -147,6 +150,9 @@ fn make(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let pixels = by_pixels(source, &photo, *size)?;
         let sheet = sheet(source, &photo, &mask, &before.made.texture, &volume, &pixels)?;
         write_whole(&out.join(format!("{}.jpg", source.name)), &sheet)?;
+        if source.name == BRICKS {
+            tube::make(&volume.made.texture, out)?;
+        }
     }
     Ok(write_whole(&out.join("tables.md"), table::table(&made).as_bytes())?)
 }
@@ -179,8 +185,8 @@ fn sheet(
     let (photo, mask) = (square(photo)?, square(&mask)?);
     let seen = Axis::ALL.into_iter().rfind(|a| source.axes[a.index()]).unwrap_or(Axis::Z);
     let mut first: Vec<Tile<'_>> = vec![contact::photograph(&photo), contact::photograph(&mask)];
-    first.extend(Axis::ALL.map(|axis| contact::slice(texture, axis)));
-    first.push(contact::slice(pixels, seen));
+    first.extend(Axis::ALL.map(|axis| contact::slice(texture, axis, usual(texture, axis))));
+    first.push(contact::slice(pixels, seen, 0.5));
     let cubes = [
         march::picture(before, true, CUBE),
         march::picture(texture, true, CUBE),
@@ -195,6 +201,22 @@ fn sheet(
     let rows: Vec<Vec<Tile<'_>>> =
         [first].into_iter().chain(pictures.map(|p| p.iter().map(contact::picture).collect())).collect();
     Ok(contact::jpeg(&rows, WIDTH)?)
+}
+
+/// Where across an axis a slice has about as many particles as the volume: most do, but some run in a joint.
+fn usual(texture: &SolidTexture, axis: Axis) -> f64 {
+    let size = texture.size().map(|n| n as usize);
+    let labels = texture.labels().unwrap_or_default();
+    let stride = size[..axis.index()].iter().product::<usize>();
+    let mut layers = vec![0usize; size[axis.index()]];
+    for (n, &label) in labels.iter().enumerate() {
+        layers[n / stride % size[axis.index()]] += usize::from(label > 0);
+    }
+    let (count, middle) = (layers.len(), layers.len() / 2);
+    let mean = layers.iter().sum::<usize>() / count;
+    let usual = |&n: &usize| 10 * layers[n].abs_diff(mean) <= mean;
+    let nearest = (0..count).filter(usual).min_by_key(|n| n.abs_diff(middle)).unwrap_or(middle);
+    (nearest as f64 + 0.5) / count as f64
 }
 
 /// The middle of a photograph.

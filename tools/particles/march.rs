@@ -6,10 +6,9 @@ use lapis::render::Picture;
 use lapis::volume::SolidTexture;
 use rayon::prelude::*;
 
-/// From where it is seen, as the cubes of the other sheets.
-const FROM: DVec3 = DVec3::new(-0.9, -1.0, 0.75);
-/// From where light comes.
-const LIGHT: DVec3 = DVec3::new(-0.75, -0.35, 1.0);
+/// From where it is seen, and from where light comes. y is down, as in the photographs.
+const FROM: DVec3 = DVec3::new(-0.75, -0.7, -1.0);
+const LIGHT: DVec3 = DVec3::new(-0.35, -1.0, -0.75);
 /// Light that comes from all around.
 const AMBIENT: f32 = 0.42;
 /// Rays along each side of a pixel.
@@ -41,7 +40,7 @@ pub(crate) fn picture(texture: &SolidTexture, matrix: bool, side: u32) -> Pictur
     let cube = Cube { texture, labels: texture.labels().expect("particles have labels"), size, matrix };
     let middle = size.as_dvec3() * 0.5;
     let towards = -FROM.normalize();
-    let right = towards.cross(DVec3::Z).normalize();
+    let right = towards.cross(DVec3::NEG_Y).normalize();
     let up = right.cross(towards);
     // The whole cube, with a little room around it.
     let scale = middle.length() * 2.0 / f64::from(side) * 0.98;

@@ -5,9 +5,9 @@ use lapis::colour::{decode, encode};
 use lapis::particles::{Library, ParticleMesh};
 use lapis::render::Picture;
 
-/// From where they are seen, and where light comes from.
-const FROM: DVec3 = DVec3::new(-0.6, -1.0, 0.55);
-const LIGHT: DVec3 = DVec3::new(-0.3, -0.8, 1.0);
+/// From where they are seen, and from where light comes. y is down, as in the photographs.
+const FROM: DVec3 = DVec3::new(-0.6, -0.55, -1.0);
+const LIGHT: DVec3 = DVec3::new(-0.3, -1.0, -0.8);
 const AMBIENT: f64 = 0.35;
 /// Pixels along each side of a picture.
 const SIDE: u32 = 360;
@@ -22,7 +22,7 @@ pub(crate) fn pictures(library: &Library, which: impl Iterator<Item = usize>) ->
 /// One particle; a sphere of radius `reach` would fill the picture.
 fn drawn(particle: &ParticleMesh, reach: f64) -> Picture {
     let back = FROM.normalize();
-    let right = DVec3::Z.cross(back).normalize();
+    let right = DVec3::NEG_Y.cross(back).normalize();
     let up = back.cross(right);
     let vertices = &particle.mesh.vertices;
     let mut normals = vec![DVec3::ZERO; vertices.len()];

@@ -33,7 +33,7 @@ pub(crate) fn all() -> Vec<Source> {
         source(
             "stone-wall",
             "acg_stonewall_Rocks004.png",
-            ALL,
+            UPRIGHT,
             MaskParams {
                 even: Some(5.0),
                 threshold: Some(-0.015),

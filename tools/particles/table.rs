@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::Made;
 
 const HEAD: &str = "\
-| | profiles (whole) | particles | overlap | lattice | fraction, photograph | placed | in the end | nearest, x | y | z | largest component | wrap seam | s: masks | shapes | placing | pushing | cells | matrix | all |
+| | profiles (whole) | particles | overlap | lattice | fraction, photograph | placed | in the end | nearest, x | y | z | largest component | wrap seam (largest inside) | s: masks | shapes | placing | pushing | cells | matrix | all |
 |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|
 ";
 
@@ -24,10 +24,11 @@ pub(crate) fn row(one: &Made) -> String {
     let number = |n: Option<f64>| n.map_or_else(|| "–".to_owned(), |n| format!("{n:.2}"));
     let [x, y, z] = r.nearest.map(number);
     let took = |name: &str| one.stages.iter().filter(|s| s.0.contains(name)).map(|s| s.1).sum::<f64>();
-    let stages = ["shapes", "arrangement", "lattice", "push", "cells"];
-    let [shapes, arranged, lattice, pushed, cells] = stages.map(took);
+    let stages = ["shapes", "belong", "arrangement", "lattice", "push", "cells"];
+    let [swept, belong, arranged, lattice, pushed, cells] = stages.map(took);
+    let shapes = swept + belong;
     format!(
-        "| {} | {} ({}) | {} | {} | {} | {:.3} | {:.3} | {:.3} | {x} | {y} | {z} | {:.2} | {} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} |",
+        "| {} | {} ({}) | {} | {} | {} | {:.3} | {:.3} | {:.3} | {x} | {y} | {z} | {:.2} | {} ({}) | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} | {:.1} |",
         one.name,
         one.profiles[0],
         one.profiles[1],
@@ -39,6 +40,7 @@ pub(crate) fn row(one: &Made) -> String {
         r.fraction,
         r.largest_component,
         number(r.wrap_seam),
+        number(r.wrap_seam_inside),
         one.analysis,
         shapes,
         arranged + lattice,

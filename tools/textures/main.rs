@@ -203,7 +203,7 @@ fn one(
 fn sheet(synthesis: &Synthesis, volume: &Path, to: &Path) -> Result<(), Box<dyn Error>> {
     let cube = cube::picture(volume, &Exec::default())?;
     let mut row: Vec<Tile<'_>> = synthesis.photos.iter().map(contact::photograph).collect();
-    row.extend(Axis::ALL.map(|axis| contact::slice(&synthesis.texture, axis)));
+    row.extend(Axis::ALL.map(|axis| contact::slice(&synthesis.texture, axis, 0.5)));
     row.extend([oblique(&synthesis.texture), contact::picture(&cube)]);
     let width = row.len() as u32 * (SIDE + contact::GAP) - contact::GAP;
     Ok(write_whole(to, &contact::jpeg(&[row], width)?)?)
