@@ -107,9 +107,11 @@ pub(super) fn triples(
     wanted.sort_unstable();
     wanted.dedup();
     let aligned: Vec<Triple> = wanted.par_iter().map(|&t| align(t, &pairs, given, &choices)).collect();
-    // On a lattice the courses agree already, and a place without its own particle would get one of another's size.
-    let most = if given_pairs.is_some() { params.most_error.max(ON_LATTICE) } else { params.most_error };
     let least = aligned.iter().map(|t| t.error).fold(f32::INFINITY, f32::min);
+    // On a lattice the courses agree already, and a place without its own particle would get one of another's size. But some must
+    // agree as well as anywhere.
+    let agree = given_pairs.is_some() && f64::from(least) <= params.most_error;
+    let most = if agree { params.most_error.max(ON_LATTICE) } else { params.most_error };
     let mut kept: Vec<Triple> = aligned.into_iter().filter(|t| f64::from(t.error) <= most).collect();
     kept.sort_by(|p, q| p.error.total_cmp(&q.error).then_with(|| p.sections.cmp(&q.sections)));
     Triples { kept, possible, tried: wanted.len(), least }
