@@ -1,4 +1,6 @@
 //! How long volumes of particles take: over the number of particles, and over the number of voxels.
+//!
+//! With the environment variable LAPIS_BENCH_LARGE also 256³ and 512³, which take hours.
 
 use std::hint::black_box;
 
@@ -49,11 +51,13 @@ fn volumes(c: &mut Criterion) {
     let photo = photograph();
     let found = analysed(&photo, &exec);
     let exemplars = ParticleExemplars { photos: vec![(&photo, &found)], directions: [Some(0); 3] };
+    let large = std::env::var_os("LAPIS_BENCH_LARGE").is_some();
+    let sides = [64, 96, 128].into_iter().chain(large.then_some([256, 512]).into_iter().flatten());
     // Particles of one size: the larger the volume, the more they are. And as many, the larger the volume the finer.
     for (name, photo_size) in [("number of particles", Some(SIDE)), ("voxels", None)] {
         let mut group = c.benchmark_group(format!("particles/{name}"));
         group.sample_size(10).sampling_mode(SamplingMode::Flat);
-        for side in [64, 96, 128] {
+        for side in sides.clone() {
             let params = ParticleParams {
                 size: Size([side; 3]),
                 photo_size,

@@ -87,6 +87,7 @@ impl Args {
             across: None,
             cuts: Vec::new(),
             fill: self.fill,
+            pastes: Vec::new(),
         }
     }
 }

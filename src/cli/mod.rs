@@ -10,6 +10,7 @@ mod new;
 mod options;
 mod outputs;
 mod particles;
+mod paste;
 mod photographs;
 mod progress;
 mod render;
@@ -57,6 +58,8 @@ enum Command {
     Particles(particles::Args),
     /// Fills a mesh with a solid texture, without a project file
     Fill(fill::Args),
+    /// Pastes further solid textures onto a filled model
+    Paste(paste::Args),
     /// Cuts a filled model along a stroke or a plane
     Cut(cut::Args),
     /// Draws filled models
@@ -143,6 +146,7 @@ fn dispatch(command: Command) -> Result<ExitCode, Failure> {
         Command::Synthesise(args) => synthesise::main(&args),
         Command::Particles(args) => particles::main(&args),
         Command::Fill(args) => fill::main(args),
+        Command::Paste(args) => paste::main(&args),
         Command::Cut(args) => cut::main(&args),
         Command::Render(args) => render::main(&args),
         Command::Export(args) => export::main(&args),

@@ -45,6 +45,16 @@ pub(crate) fn plane(text: &str) -> Result<CutSurface, String> {
     }
 }
 
+/// A length, or three.
+pub(crate) fn lengths(text: &str) -> Result<DVec3, String> {
+    let scale = match numbers(text)?[..] {
+        [one] => DVec3::splat(one),
+        [x, y, z] => DVec3::new(x, y, z),
+        ref other => return Err(format!("one number or three are needed, here are {}", other.len())),
+    };
+    if scale.min_element() > 0.0 { Ok(scale) } else { Err("lengths are larger than 0".to_owned()) }
+}
+
 /// A line through points.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Polyline(pub(crate) Vec<DVec3>);

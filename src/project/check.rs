@@ -5,12 +5,13 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use super::file::{CutEntry, ExportEntry, PictureEntry};
+use super::file::{CutEntry, ExportEntry, PasteEntry, PictureEntry, Scales};
 use super::painted::view;
+use super::paste::PasteInput;
 use super::plan::{Along, Cut, Model, Picture};
 use super::problem::ProjectProblem;
 use crate::cut::CutSurface;
-use crate::lap::FillParams;
+use crate::lap::{FillParams, PasteParams, Places};
 use crate::render::RenderParams;
 use crate::view::{Stroke, StrokeFile, is_svg};
 
@@ -75,6 +76,33 @@ pub(super) fn finite(key: &str, points: &[DVec3]) -> Result<(), ProjectProblem> 
         }
         None => Ok(()),
     }
+}
+
+pub(super) fn paste(entry: PasteEntry, folder: &Path) -> Result<PasteInput, ProjectProblem> {
+    let key = "paste".to_owned();
+    let places = match (entry.at, entry.scatter) {
+        (Some(points), None) => Places::At(points.into()),
+        (None, Some(scatter)) => Places::Scattered(scatter),
+        _ => {
+            let choice = "give exactly one of `at` and `scatter`";
+            return Err(ProjectProblem::Choice { key, choice });
+        }
+    };
+    if let Places::At(points) = &places {
+        finite("paste.at", points)?;
+    }
+    let scale = match entry.scale {
+        Scales::One(scale) => DVec3::splat(scale),
+        Scales::Each(scale) => scale,
+    };
+    let params =
+        PasteParams { scale, direction: entry.direction, inward: entry.inward, turn_deg: entry.turn_deg };
+    Ok(PasteInput {
+        volume: folder.join(entry.volume),
+        mask: entry.mask.map(|mask| folder.join(mask)),
+        places,
+        params,
+    })
 }
 
 pub(super) fn cut(entry: CutEntry, folder: &Path, names: &Names) -> Result<Cut, ProjectProblem> {

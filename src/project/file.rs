@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::painted::{DepthTable, DirectionTable, ScaleTable};
+use super::painted::{DepthTable, DirectionTable, Points, ScaleTable};
 use crate::cut::CutParams;
 use crate::export::{AtlasParams, ExportFormat, PlyParams};
-use crate::lap::{FillParams, TextureType};
+use crate::lap::{FillParams, ScatterParams, TextureType};
 use crate::mesh::TetParams;
 use crate::render::RenderParams;
 use crate::view::Camera;
@@ -29,6 +29,8 @@ pub(super) struct ProjectFile {
     pub(super) across: Option<DepthTable>,
     #[serde(default)]
     pub(super) fill: FillParams,
+    #[serde(default)]
+    pub(super) paste: Vec<PasteEntry>,
     #[serde(default)]
     pub(super) cut: Vec<CutEntry>,
     pub(super) picture: Option<Vec<PictureEntry>>,
@@ -62,6 +64,29 @@ pub(super) struct TextureTable {
     pub(super) volume: PathBuf,
     #[serde(rename = "type")]
     pub(super) kind: TextureType,
+}
+
+/// `[[paste]]`: a texture pasted onto the fill.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PasteEntry {
+    pub(super) volume: PathBuf,
+    pub(super) mask: Option<PathBuf>,
+    pub(super) at: Option<Points>,
+    pub(super) scatter: Option<ScatterParams>,
+    pub(super) scale: Scales,
+    pub(super) direction: Option<DVec3>,
+    pub(super) inward: Option<DVec3>,
+    #[serde(default)]
+    pub(super) turn_deg: f64,
+}
+
+/// One scale, or one along each axis.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(untagged, expecting = "expected a length, or the lengths along x, y and z: [x, y, z]")]
+pub(super) enum Scales {
+    One(f64),
+    Each(DVec3),
 }
 
 /// `[[cut]]`: one cut, made in the order of the file.

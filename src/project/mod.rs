@@ -12,6 +12,7 @@ mod output;
 mod painted;
 mod part;
 mod part_error;
+mod paste;
 mod plan;
 mod problem;
 mod report;
@@ -27,6 +28,7 @@ pub use part::{
     fill_part, is_tet_file, painted_part, tet_mesh,
 };
 pub use part_error::PartError;
+pub use paste::{PasteInput, pasted};
 pub use plan::{Along, Cut, Model, Picture, Project};
 pub use problem::{ProjectError, ProjectProblem};
 pub use report::{Output, Report};

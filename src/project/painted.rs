@@ -71,6 +71,15 @@ pub(super) enum Points {
     Many(Vec<DVec3>),
 }
 
+impl From<Points> for Vec<DVec3> {
+    fn from(points: Points) -> Self {
+        match points {
+            Points::One(point) => vec![point],
+            Points::Many(points) => points,
+        }
+    }
+}
+
 /// One point of a picture or several.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(untagged, expecting = "expected a point of the picture, [x, y], or a list of points, [[x, y], …]")]
@@ -396,10 +405,7 @@ fn picks(
     const EMPTY: &str = "no face is picked: the list is empty; give at least one point";
     match (at, pick) {
         (Some(at), None) => {
-            let points = match at {
-                Points::One(p) => vec![p],
-                Points::Many(all) => all,
-            };
+            let points = Vec::from(at);
             if points.is_empty() {
                 return Err(choice(EMPTY));
             }

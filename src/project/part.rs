@@ -10,6 +10,7 @@ use serde_json::json;
 
 use super::fields::painted_fields;
 use super::part_error::PartError;
+use super::paste::{PasteInput, pasted};
 use super::plan::Cut;
 use crate::exec::Exec;
 use crate::field::{DepthParams, DirectionParams, FrameField, Singularities};
@@ -56,6 +57,8 @@ pub struct Part {
     pub cuts: Vec<Cut>,
     /// How it is lapped.
     pub fill: FillParams,
+    /// What is pasted on top, the later ones on the earlier.
+    pub pastes: Vec<PasteInput>,
 }
 
 /// What paints a field of numbers from 0 to 1: the depth (texture y), or `along` or `across` (texture x and z).
@@ -253,6 +256,7 @@ pub fn fill_part(part: &Part, seed: u64, mesher: &Mesher, exec: &Exec) -> Result
     // The quick things first, so that a wrong file name does not wait for the tetrahedra.
     let start = Instant::now();
     let texture = volume::read(&part.volume)?;
+    let pastings = part.pastes.iter().map(|p| p.read(seed)).collect::<Result<Vec<_>, _>>()?;
     let mut report = Report::default();
     report.took("read", start);
     exec.check()?;
@@ -264,6 +268,9 @@ pub fn fill_part(part: &Part, seed: u64, mesher: &Mesher, exec: &Exec) -> Result
     solid.settings = settings(part, seed, &marks);
     report.add(&filled);
     report.took("fill", start);
+    if !pastings.is_empty() {
+        solid = pasted(solid, &pastings, seed, &mut report, exec)?;
+    }
     Ok(MadePart { solid, report })
 }
 
@@ -394,6 +401,7 @@ fn settings(part: &Part, seed: u64, marks: &[Mark]) -> serde_json::Value {
         "direction": direction,
         "scale": part.scale.as_ref().map(|s| json!({ "everywhere": s.everywhere, "at": s.at })),
         "fill": part.fill,
+        "paste": part.pastes.iter().map(PasteInput::settings).collect::<Vec<_>>(),
         (Mark::KEY): marks,
     });
     for (name, input) in [("along", &part.along), ("across", &part.across)] {

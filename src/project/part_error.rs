@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::part::{MAX_REFINE_SINGULAR, MAX_REFINED};
 use crate::cut::CutError;
 use crate::exec::Cancelled;
-use crate::lap::{FillError, LookError, TextureType};
+use crate::lap::{FillError, LookError, PasteError, TextureType};
 use crate::mesh::{CleanError, MeshReadError, SplitError, TetError, TetFileError, TopologyError};
 use crate::paint::{PaintError, PaintProblem};
 use crate::volume::VolumeReadError;
@@ -41,6 +41,17 @@ pub enum PartError {
     /// A volume that cannot be read.
     #[error(transparent)]
     Volume(#[from] VolumeReadError),
+    /// A texture that cannot be pasted.
+    #[error("cannot paste {}", path.display())]
+    Stamp {
+        /// The texture.
+        path: PathBuf,
+        /// Why.
+        source: PasteError,
+    },
+    /// Something that cannot be pasted where it is to be.
+    #[error(transparent)]
+    Paste(#[from] PasteError),
     /// A surface of which nothing is left when it is cleaned.
     #[error("the mesh {} is no surface", path.display())]
     Clean {

@@ -150,6 +150,7 @@ impl Project {
             across: file.across.map(|t| tables.depth("across", t)).transpose()?,
             cuts: cuts.clone(),
             fill: file.fill,
+            pastes: file.paste.into_iter().map(|p| check::paste(p, folder)).collect::<Result<_, _>>()?,
         };
         part.check()?;
         check::settings(&part.fill, &file.export)?;
