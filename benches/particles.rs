@@ -7,8 +7,8 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, SamplingMode, criterion_group, criterion_main};
 use lapis::exec::Exec;
 use lapis::particles::{
-    ClassParams, EditParams, MaskParams, Order, ParticleExemplars, ParticleParams, Profiles, Tiling,
-    make_mask, particles, profiles,
+    ClassParams, EditParams, MaskParams, Order, ParticleExemplars, ParticleParams, Profiles, Recolour,
+    Tiling, make_mask, particles, profiles,
 };
 use lapis::photo::Photograph;
 use lapis::synthesis::Size;
@@ -65,7 +65,16 @@ fn volumes(c: &mut Criterion) {
                 ..Default::default()
             };
             group.bench_function(BenchmarkId::from_parameter(side), |b| {
-                b.iter(|| particles(black_box(&exemplars), &params, &EditParams::default(), 1, &exec));
+                b.iter(|| {
+                    particles(
+                        black_box(&exemplars),
+                        &params,
+                        &EditParams::default(),
+                        Recolour::default(),
+                        1,
+                        &exec,
+                    )
+                });
             });
         }
         group.finish();

@@ -228,6 +228,12 @@ fn volumes_are_changed_with_their_particles_in_mind() {
     let kept = |n: usize| only.voxels()[n] == plain.voxels()[n];
     assert!((0..only.voxels().len()).all(|n| labels(&only)[n] == 0 || kept(n)));
 
+    // Colours of others are varied, too.
+    let green = made("--recolour-particles green.nrrd --vary-brightness 0.3");
+    let shades: std::collections::BTreeSet<[u8; 4]> =
+        green.voxels().iter().zip(labels(&green)).filter(|v| *v.1 > 0).map(|v| *v.0).collect();
+    assert!(shades.len() > 3 && shades.iter().all(|c| c[1] > 3 * c[0]), "{shades:?}");
+
     // Hues and brightness: of particles alone, all of one particle alike.
     let varied = made("--vary-hue 60 --vary-brightness 0.3");
     let changed = |n: &usize| varied.voxels()[*n] != plain.voxels()[*n];
@@ -329,9 +335,26 @@ fn what_cannot_be() {
     bench.file("grey.png", flat(90));
     bench.file("slabs.png", bricks([18, 6]));
     bench.file("text.png", "no picture");
+    // A thousand and more profiles.
+    bench.file(
+        "dots.png",
+        painted(256, 256, |x, y| ((x % 7.0 - 3.5).hypot(y % 7.0 - 3.5) < 2.4).then_some([180; 3])),
+    );
     refused(
         &bench,
         &[
+            (
+                "particles discs.png --tiles both --size 32 --photo-size 2 -o v.nrrd",
+                2,
+                &["--photo-size 2", "8 to 2048"],
+            ),
+            (
+                "particles discs.png --tiles both --size 32 --photo-size 8 -o v.nrrd",
+                1,
+                &["voxels wide", "photo_size"],
+            ),
+            ("particles dots.png --size 48 -o v.nrrd", 1, &["voxels wide"]),
+            ("particles discs.png --tiles both --size 32x32x4 -o v.nrrd", 1, &["larger than the volume"]),
             ("particles discs.png --mask empty.png -o v.nrrd", 1, &["empty.png", "mask is empty", "paint"]),
             ("particles discs.png --mask full.png -o v.nrrd", 1, &["full.png", "white all over", "paint"]),
             ("particles discs.png --mask one.png -o v.nrrd", 1, &["one.png", "one profile", "at least two"]),
@@ -348,7 +371,7 @@ fn what_cannot_be() {
                 1,
                 &["contradict", "0.2", "larger error"],
             ),
-            ("particles z=discs.png -o v.nrrd", 1, &["one direction", "another axis"]),
+            ("particles z=discs.png -o v.nrrd", 2, &["one direction", "another axis"]),
             ("particles discs.png --tiles both --order lattice -o v.nrrd", 1, &["lattice", "another order"]),
             ("particles y=discs.png z=discs.png --order lattice -o v.nrrd", 1, &["lattice", "across x"]),
             ("particles discs.png --size 4000 -o v.nrrd", 1, &["4000×4000×4000"]),

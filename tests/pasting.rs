@@ -117,7 +117,7 @@ fn what_cannot_be_pasted() {
             (
                 "paste plain/ball.lapis --texture seed.nrrd --at 0,0,9 --scale 0.5 -o x.lapis",
                 1,
-                &["outside the model", "(0, 0, 9)"],
+                &["outside the model", "[0, 0, 9]"],
             ),
             (
                 "paste plain/ball.lapis --texture seed.nrrd --at 0,0,0 --scale 0.5 -o plain/ball.lapis",

@@ -4,10 +4,12 @@
 //!     cargo run --release --example watermelon_exemplar -- --preview DIR      also shows how it will look
 //!
 //! Texture axes: y is depth (0 outside, 1 the fruit's core), x and z run alike along its layers. One unit is
-//! some [`UNIT`] millimetres in the sample fruit. It tiles along x and z. Patches are turned at random about
+//! some 86 millimetres in the sample fruit. It tiles along x and z. Patches are turned at random about
 //! the depth, so nothing here has a direction but along depth; every feature is small in x and z, and colours
-//! differ over large distances with depth only: so the seams between patches do not show [LST 7].
+//! differ over large distances with depth only: so the seams between patches do not show [LST 7]. The seeds are pasted
+//! on top: `tools/watermelon_seed.rs`.
 
+#[allow(dead_code)] // what rolls dice is for others
 mod brush;
 
 use std::f64::consts::{PI, TAU};
@@ -15,108 +17,12 @@ use std::io;
 use std::path::Path;
 use std::process::ExitCode;
 
-use brush::{Dice, Paint, around, mix, noise, picture, srgb, step};
+use brush::{Paint, mix, noise, picture, srgb, step};
 use lapis::colour::LinearRgba;
 use lapis::volume::SolidTexture;
 
-/// Millimetres that one unit of texture covers, the inverse of the depth's gradient in the sample fruit.
-const UNIT: f64 = 86.0;
-/// Seeds in the texture: some 700 in the fruit.
-const SEEDS: usize = 112;
-/// Depths between which all of each seed lies.
-const ZONE: [f64; 2] = [0.47, 0.84];
-
 fn main() -> ExitCode {
-    let melon = Melon::new();
-    brush::program("watermelon", [true, false, true], |p| melon.colour(p), preview)
-}
-
-/// A flat teardrop whose point shows to the core.
-struct Seed {
-    centre: [f64; 3],
-    /// Which way its breadth shows: a unit vector in (x, z).
-    broad: [f64; 2],
-    /// How far its point leans along breadth and thickness for each unit of y.
-    lean: [f64; 2],
-    /// Half its breadth, length (along depth) and thickness.
-    half: [f64; 3],
-    brown: f64,
-}
-
-struct Melon {
-    seeds: Vec<Seed>,
-}
-
-impl Melon {
-    fn new() -> Self {
-        let mut dice = Dice::new(1753);
-        let mut seeds: Vec<Seed> = Vec::new();
-        let mut apart = 0.15;
-        while seeds.len() < SEEDS {
-            let size = dice.between(0.9, 1.1);
-            let half = [3.9, 6.4, 2.1].map(|mm| size * mm / UNIT);
-            // Most lie in the middle of their zone.
-            let spread = 0.5 * (dice.between(0.0, 1.0) + dice.between(0.0, 1.0));
-            let y = ZONE[0] + half[1] + (ZONE[1] - ZONE[0] - 2.0 * half[1]) * spread;
-            let centre = [dice.between(0.0, 1.0), y, dice.between(0.0, 1.0)];
-            let near = |other: &Seed| {
-                let d: [f64; 3] = std::array::from_fn(|n| {
-                    let d = centre[n] - other.centre[n];
-                    if n == 1 { 0.7 * d } else { around(d) }
-                });
-                d.iter().map(|d| d * d).sum::<f64>() < apart * apart
-            };
-            if seeds.iter().any(near) {
-                // The more there are, the nearer they may lie.
-                apart = (apart * 0.9995f64).max(0.075);
-                continue;
-            }
-            let angle = dice.between(0.0, TAU);
-            seeds.push(Seed {
-                centre,
-                broad: [angle.cos(), angle.sin()],
-                lean: [dice.between(-0.3, 0.3), dice.between(-0.2, 0.2)],
-                half,
-                brown: dice.between(0.0, 1.0),
-            });
-        }
-        Self { seeds }
-    }
-
-    fn colour(&self, p: [f64; 3]) -> Paint {
-        let flesh = flesh(p);
-        let with_seeds = self.with_seeds(p, flesh);
-        with_rind(p, with_seeds)
-    }
-
-    fn with_seeds(&self, p: [f64; 3], under: Paint) -> Paint {
-        if !(ZONE[0] - 0.1..ZONE[1] + 0.1).contains(&p[1]) {
-            return under;
-        }
-        // The seed that is nearest in its own measure.
-        let mut near = (f64::INFINITY, 0.0, 0.0);
-        for seed in &self.seeds {
-            let y = p[1] - seed.centre[1];
-            let t = y / seed.half[1];
-            if t.abs() > 2.0 {
-                continue;
-            }
-            let (x, z) = (around(p[0] - seed.centre[0]), around(p[2] - seed.centre[2]));
-            let a = (x * seed.broad[0] + z * seed.broad[1] - y * seed.lean[0]) / seed.half[0];
-            let b = (z * seed.broad[0] - x * seed.broad[1] - y * seed.lean[1]) / seed.half[2];
-            // Round at the outer end, pointed at the end towards the core.
-            let taper = 1.0 - 0.38 * t.clamp(-1.0, 1.0);
-            let distance = ((a * a + b * b) / (taper * taper) + t * t).sqrt();
-            if distance < near.0 {
-                near = (distance, 0.6 * a - 0.5 * t + 0.3 * b, seed.brown);
-            }
-        }
-        let (distance, shine, brown) = near;
-        let halo = mix(under, srgb(244, 150, 128), 0.45 * step(1.6, 1.15, distance));
-        let body = mix(srgb(24, 14, 11), srgb(50, 29, 20), brown);
-        let body = mix(body, srgb(126, 92, 70), 0.5 * step(0.45, 0.8, shine) * step(0.3, 0.8, distance));
-        mix(halo, body, step(1.1, 0.96, distance))
-    }
+    brush::program("watermelon", [true, false, true], |p| with_rind(p, flesh(p)), preview)
 }
 
 /// Flesh, from the white of the rind to the heart.
@@ -181,7 +87,7 @@ fn preview(folder: &Path, texture: &SolidTexture) -> io::Result<()> {
     let look = |x: f64, y: f64, z: f64| texture.sample([x as f32, y as f32, z as f32]);
     picture(&folder.join("slice-x.png"), |u, v| look(0.3, v, u))?;
     picture(&folder.join("slice-y-outside.png"), |u, v| look(2.0 * u, 0.0, 2.0 * v))?;
-    picture(&folder.join("slice-y-seeds.png"), |u, v| look(u, 0.66, v))?;
+    picture(&folder.join("slice-y-inside.png"), |u, v| look(u, 0.66, v))?;
     // Across: a depth that is nearly a parabola, and seven units around.
     picture(&folder.join("across.png"), |u, v| {
         let (a, b) = (2.1 * u - 1.05, 2.1 * v - 1.05);

@@ -6,7 +6,7 @@ use std::time::Instant;
 use lapis::export::{ExportFormat, shapes_glb, shapes_obj};
 use lapis::particles::{
     ClassParams, EditParams, Mask, MaskParams, ParticleError, ParticleExemplars, ParticleParams,
-    ParticleVolume, Profiles, Recolour, given_mask, make_mask, particles, profiles, recoloured,
+    ParticleVolume, Profiles, Recolour, given_mask, make_mask, particles, profiles,
 };
 use lapis::photo::Photograph;
 use lapis::project::{OutputFile, Report};
@@ -81,6 +81,7 @@ fn failure(e: ParticleError) -> Failure {
         ParticleError::Setting { key, value, range } => {
             Failure::usage(format!("--{} {value}: it must be {range}", key.replace('_', "-")))
         }
+        ParticleError::OneDirection => Failure::usage(ParticleError::OneDirection.to_string()),
         e => e.into(),
     }
 }
@@ -184,6 +185,10 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         let start = Instant::now();
         let (masks, found) = analysed(args, &photos, &given, session)?;
         report.took("profiles", start);
+        for made in masks.iter().filter_map(|m| m.made) {
+            report.measure("threshold", made.threshold);
+            report.measure("even", made.even);
+        }
         report.count("profiles", found.iter().map(|p| p.all.len()).sum());
         report.count("profiles_complete", found.iter().map(Profiles::complete).sum());
 
@@ -196,17 +201,19 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
             mask_files.iter().zip(&masks).map(|(file, mask)| (file, picture(mask), "mask")).collect();
         let mut made = None;
         if let (Some(output), Some(labels)) = (&output, &labels) {
-            let start = Instant::now();
             let exemplars = ParticleExemplars { photos: photos.iter().zip(&found).collect(), directions };
             let seed = args.shared.seed.unwrap_or(0);
-            let ParticleVolume { made: mut volume, library, report: measured } =
-                particles(&exemplars, &args.params, &args.edits, seed, session.exec()).map_err(failure)?;
             let from = Recolour { particles: of_particles.as_ref(), matrix: of_matrix.as_ref() };
-            if of_particles.is_some() || of_matrix.is_some() {
-                volume.texture = recoloured(&volume.texture, from)?;
-            }
-            report.took("particles", start);
+            let ParticleVolume { made: volume, library, report: measured, seconds } =
+                particles(&exemplars, &args.params, &args.edits, from, seed, session.exec())
+                    .map_err(failure)?;
+            seconds.iter().for_each(|(name, took)| report.spent(name, *took));
             report.add(&measured);
+            report.notes.extend(measured.notes());
+            if measured.lattice.is_some() && args.params.enlarge.is_some() {
+                let note = "on a lattice --enlarge has no say: the lattice says how large particles are";
+                report.notes.push(note.to_owned());
+            }
             for (path, bytes) in volume::to_files(output.path(), &volume.texture)? {
                 let file = if path == output.path() { output } else { labels };
                 files.push((file, bytes, if path == output.path() { "volume" } else { "labels" }));

@@ -156,7 +156,7 @@ mod tests {
         );
         let views = [Some(&photo); 3];
         let params = ParticleParams { most_error: 1.0, ..Default::default() };
-        let stock = Stock::new(views, &triples(views, None, &params), params.stock, 1.0);
+        let stock = Stock::new(views, &triples(views, None, &params), params.stock, 1.0, [64; 3]);
         let extent = DVec3::new(40.0, 32.0, 36.0);
         let part = |n: usize, k: usize| (n * k % 101) as f64 / 101.0;
         let placed: Vec<Placed> = (1..24)

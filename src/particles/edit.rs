@@ -77,8 +77,23 @@ pub(super) fn drop(space: &mut Space, count: usize, share: f64, seed: u64) {
     space.labels.iter_mut().filter(|l| dropped[**l as usize]).for_each(|l| *l = FREE);
 }
 
+/// The volume with its labels and its colours changed: those of others first, then varied.
+pub(super) fn edited(
+    texture: SolidTexture,
+    labels: Vec<u32>,
+    edits: &EditParams,
+    from: Recolour<'_>,
+    seed: u64,
+) -> Result<SolidTexture, ParticleError> {
+    let mut texture = texture.with_labels(labels.clone())?;
+    if from.particles.is_some() || from.matrix.is_some() {
+        texture = recoloured(&texture, from)?;
+    }
+    Ok(varied(texture, &labels, edits, seed)?.with_labels(labels)?)
+}
+
 /// Turns the hue and changes the brightness of each particle, in linear light.
-pub(super) fn varied(
+fn varied(
     texture: SolidTexture,
     labels: &[u32],
     edits: &EditParams,

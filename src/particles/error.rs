@@ -108,6 +108,29 @@ pub enum ParticleError {
         /// The largest that is allowed.
         most: f64,
     },
+    /// Profiles that are not seen at the size of the volume.
+    #[error(
+        "the profiles are only {width:.1} voxels wide on the mean, and {least} are needed to see a particle: make a larger volume \
+         (`size`), work with a larger photograph (`photo_size`), or take a photograph that shows fewer, larger particles"
+    )]
+    Tiny {
+        /// Their width.
+        width: f64,
+        /// What is needed.
+        least: f64,
+    },
+    /// Particles larger than the volume.
+    #[error(
+        "all particles are larger than the volume of {}×{}×{} voxels: make a larger one, or work with a smaller photograph \
+         (`photo_size`)", .0[0], .0[1], .0[2]
+    )]
+    Large([u32; 3]),
+    /// No profiles of one class in all directions.
+    #[error(
+        "no profiles of one class are seen in all directions: ask for fewer classes, or use more profiles of each photograph \
+         (`most_profiles`)"
+    )]
+    NoCommonClass,
     /// No particle can be swept from its cross-sections.
     #[error(
         "none of the {0} particles that were tried can be built: no cross-section is seen whole from its centre; split what \

@@ -138,6 +138,9 @@ impl Lay<'_> {
         report.triples_possible = found.possible;
         report.triples_aligned = found.tried;
         report.triples_kept = found.kept.len();
+        if found.tried == 0 {
+            return Err(ParticleError::NoCommonClass);
+        }
         if found.kept.is_empty() {
             let (least, most) = (f64::from(found.least), self.params.most_error);
             return Err(ParticleError::Contradiction { least, most });
@@ -154,11 +157,15 @@ impl Lay<'_> {
         report: &mut ParticleReport,
     ) -> Result<Stock, ParticleError> {
         let _stage = self.exec.stage("shapes of the particles", 0);
-        let stock = Stock::new(seen.views(), found, most, smaller);
+        let stock = Stock::new(seen.views(), found, most, smaller, self.size);
         self.exec.check()?;
         report.stock = stock.all.len();
         if stock.all.is_empty() {
-            return Err(ParticleError::Complicated(stock.complicated));
+            return Err(if stock.large > 0 {
+                ParticleError::Large(self.size.map(|n| n as u32))
+            } else {
+                ParticleError::Complicated(stock.complicated)
+            });
         }
         Ok(stock)
     }

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec2;
 
 use super::view::View;
+use crate::exec::Exec;
 
 /// Differences between centres that are told apart: parts of the mean distance of neighbours.
 const NEAR: f64 = 0.2;
@@ -51,8 +52,8 @@ pub(super) struct Rows {
 
 /// The lattice of a photograph's profiles, in rows along its own rows. Where they lie in level courses of one height, but each
 /// course in its own way, and the photograph tiles, the whole photograph is a cell.
-pub(super) fn rows(view: &View) -> Option<Rows> {
-    lattice(view).or_else(|| courses(view))
+pub(super) fn rows(view: &View, exec: &Exec) -> Option<Rows> {
+    lattice(view, exec).or_else(|| courses(view))
 }
 
 /// A photograph in courses.
@@ -91,17 +92,17 @@ fn courses(view: &View) -> Option<Rows> {
 }
 
 /// A lattice of a few places.
-fn lattice(view: &View) -> Option<Rows> {
+fn lattice(view: &View, exec: &Exec) -> Option<Rows> {
     let centres: Vec<DVec2> = view.profiles.all.iter().map(|p| p.centroid).collect();
     let size = DVec2::new(f64::from(view.profiles.size[0]), f64::from(view.profiles.size[1]));
     let areas: Vec<Option<f64>> =
         view.profiles.all.iter().map(|p| p.complete.then_some(p.area as f64)).collect();
-    let board = Board { centres: &centres, areas: &areas, size, tiles: view.profiles.tiles };
     if centres.len() < 6 {
         return None;
     }
     let mean = (size.x * size.y / centres.len() as f64).sqrt();
-    let vectors = board.vectors(mean);
+    let board = Board::new(&centres, &areas, size, view.profiles.tiles, mean);
+    let vectors = board.vectors(mean, exec);
     // The shortest along the row, and the lowest step to another row.
     let level = |v: &DVec2| v.y.abs() < NEAR * mean;
     let along =
@@ -126,15 +127,38 @@ struct Board<'a> {
     areas: &'a [Option<f64>],
     size: DVec2,
     tiles: [bool; 2],
+    /// The centres by the cell of a grid that they lie in; cells are no narrower than what counts as near.
+    cells: [usize; 2],
+    buckets: Vec<Vec<usize>>,
 }
 
-impl Board<'_> {
-    /// The nearest centre to a point, and the way there; none where the point is beyond the photograph.
-    fn nearest(&self, p: DVec2) -> Option<(usize, DVec2)> {
-        let beyond = |k: usize| !self.tiles[k] && (p[k] < 0.0 || p[k] > self.size[k]);
-        if beyond(0) || beyond(1) {
-            return None;
+impl<'a> Board<'a> {
+    fn new(centres: &'a [DVec2], areas: &'a [Option<f64>], size: DVec2, tiles: [bool; 2], mean: f64) -> Self {
+        let cells = [0, 1].map(|k| ((size[k] / (NEAR * mean)) as usize).clamp(1, 4096));
+        let buckets = vec![Vec::new(); cells[0] * cells[1]];
+        let mut board = Self { centres, areas, size, tiles, cells, buckets };
+        for (n, &centre) in centres.iter().enumerate() {
+            let [x, y] = board.cell(centre);
+            board.buckets[y * cells[0] + x].push(n);
         }
+        board
+    }
+
+    fn cell(&self, p: DVec2) -> [usize; 2] {
+        [0, 1].map(|k| {
+            let part = p[k] / self.size[k];
+            let part = if self.tiles[k] { part - part.floor() } else { part };
+            ((part * self.cells[k] as f64) as usize).min(self.cells[k] - 1)
+        })
+    }
+
+    /// Whether a point lies in the photograph, or in what it repeats to.
+    fn within(&self, p: DVec2) -> bool {
+        (0..2).all(|k| self.tiles[k] || (0.0..=self.size[k]).contains(&p[k]))
+    }
+
+    /// The nearest centre to a point, and the way there; none where none is near.
+    fn nearest(&self, p: DVec2) -> Option<(usize, DVec2)> {
         let way = |c: &DVec2| {
             let mut d = *c - p;
             for k in 0..2 {
@@ -144,14 +168,30 @@ impl Board<'_> {
             }
             d
         };
-        let all = self.centres.iter().map(way).enumerate();
-        all.min_by(|a, b| a.1.length_squared().total_cmp(&b.1.length_squared()))
+        let at = self.cell(p);
+        let beside = |k: usize, step: usize| {
+            let (n, c) = (self.cells[k], at[k] + step);
+            if self.tiles[k] { Some((c + n - 1) % n) } else { c.checked_sub(1).filter(|&c| c < n) }
+        };
+        let cells = (0..9).filter_map(|n| Some([beside(0, n % 3)?, beside(1, n / 3)?]));
+        let all = cells.flat_map(|[x, y]| &self.buckets[y * self.cells[0] + x]);
+        let all = all.map(|&n| (n, way(&self.centres[n])));
+        all.min_by(|a, b| a.1.length_squared().total_cmp(&b.1.length_squared()).then(a.0.cmp(&b.0)))
     }
 
-    /// Where a vector takes each centre, of those that it leaves within the photograph: the two centres, and how far it misses.
-    fn ends(&self, v: DVec2) -> Vec<(usize, usize, DVec2)> {
-        let end = |from: usize| self.nearest(self.centres[from] + v).map(|(to, d)| (from, to, d));
-        (0..self.centres.len()).filter_map(end).collect()
+    /// Where a vector takes the centres near to which there is one: the two centres, and how far it misses. And how many it
+    /// leaves within the photograph.
+    fn ends(&self, v: DVec2, near: f64) -> (Vec<(usize, usize, DVec2)>, usize) {
+        let mut within = 0;
+        let mut ends = Vec::new();
+        for from in 0..self.centres.len() {
+            let p = self.centres[from] + v;
+            if self.within(p) {
+                within += 1;
+                ends.extend(self.nearest(p).filter(|e| e.1.length() < near).map(|(to, d)| (from, to, d)));
+            }
+        }
+        (ends, within)
     }
 
     /// Whether two profiles may be of one kind.
@@ -164,19 +204,21 @@ impl Board<'_> {
 
     /// The part of the centres that a vector takes to one of its kind, of those that it leaves within the photograph.
     fn kept(&self, v: DVec2, mean: f64) -> f64 {
-        let ends = self.ends(v);
-        if ends.len() * 4 < self.centres.len() {
+        let (ends, within) = self.ends(v, NEAR * mean);
+        if within * 4 < self.centres.len() {
             return 0.0;
         }
-        let kept = |e: &&(usize, usize, DVec2)| e.2.length() < NEAR * mean && self.alike(e.0, e.1);
-        ends.iter().filter(kept).count() as f64 / ends.len() as f64
+        ends.iter().filter(|e| self.alike(e.0, e.1)).count() as f64 / within as f64
     }
 
     /// Vectors that take most centres to centres, each as the mean of what they are taken by.
-    fn vectors(&self, mean: f64) -> Vec<(DVec2, f64)> {
+    fn vectors(&self, mean: f64, exec: &Exec) -> Vec<(DVec2, f64)> {
         let mut found: Vec<(DVec2, f64)> = Vec::new();
         for &from in self.centres.iter().take(STARTS) {
             for &to in self.centres {
+                if exec.check().is_err() {
+                    return found;
+                }
                 let mut v = to - from;
                 for k in 0..2 {
                     if self.tiles[k] {
@@ -194,7 +236,7 @@ impl Board<'_> {
                     // To where the centres really are.
                     let mut mended = v;
                     for _ in 0..2 {
-                        let near = self.ends(mended).into_iter().filter(|e| e.2.length() < NEAR * mean);
+                        let near = self.ends(mended, NEAR * mean).0.into_iter();
                         let whole = |n: usize| self.areas[n].is_some();
                         let near: Vec<DVec2> =
                             near.filter(|e| whole(e.0) && whole(e.1)).map(|e| e.2).collect();
@@ -261,7 +303,7 @@ mod tests {
     fn a_running_bond_has_its_lattice() {
         for (size, tiles) in [([56, 42], [true; 2]), ([61, 47], [false; 2])] {
             let wall = view(size, tiles, 1, bond([14.0, 7.0], 2.0, [90; 3]));
-            let found = rows(&wall).unwrap();
+            let found = rows(&wall, &Exec::default()).unwrap();
             assert!((found.along - 14.0).abs() < 0.1, "{found:?}");
             assert!(found.step.distance(DVec2::new(7.0, 7.0)) < 0.1, "{found:?}");
             // Centres of bricks that the border cuts lie aside.
@@ -269,7 +311,7 @@ mod tests {
         }
         // A stack: every other course is not shifted.
         let stack = |p: DVec2| (p.x % 14.0 > 2.0 && p.y % 7.0 > 2.0).then_some([90; 3]);
-        let found = rows(&view([56, 42], [true; 2], 1, stack)).unwrap();
+        let found = rows(&view([56, 42], [true; 2], 1, stack), &Exec::default()).unwrap();
         assert!(found.step.distance(DVec2::new(0.0, 7.0)) < 0.1, "{found:?}");
     }
 
@@ -281,7 +323,7 @@ mod tests {
             let inside = (x > 2.0 && x < 12.0) || x > 14.0;
             (inside && p.y - 8.0 * course > 2.0).then_some([90; 3])
         });
-        let found = rows(&wall).unwrap();
+        let found = rows(&wall, &Exec::default()).unwrap();
         // Centres alone would say 10: stretchers and headers in turn are equally far apart.
         assert!((found.along - 20.0).abs() < 0.1, "{found:?}");
         assert!(found.step.distance(DVec2::new(10.0, 8.0)) < 0.1, "{found:?}");
@@ -306,7 +348,11 @@ mod tests {
                 }
             }
             let all: [[f64; 3]; 26] = all.try_into().unwrap();
-            assert_eq!(rows(&view([60; 2], [true; 2], 1, discs(all, [90; 3]))), None, "{seed}");
+            assert_eq!(
+                rows(&view([60; 2], [true; 2], 1, discs(all, [90; 3])), &Exec::default()),
+                None,
+                "{seed}"
+            );
         }
     }
 }

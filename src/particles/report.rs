@@ -8,6 +8,12 @@ use super::view::View;
 use crate::synthesis::{Axis, wrap_seam};
 use crate::volume::SolidTexture;
 
+/// The part of the cross-sections that should agree with others.
+const AGREE: f64 = 0.5;
+/// How far the part that is particles may be from the photographs', and the logarithm of nearest distances.
+const FRACTION: f64 = 0.08;
+const NEAREST: f64 = 0.15;
+
 /// What was made of the photographs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ParticleReport {
@@ -92,6 +98,40 @@ impl ParticleReport {
     pub(super) fn nearest_off(&self) -> Option<f64> {
         let all = || self.nearest.iter().flatten().copied();
         Some((all().reduce(f64::min)? * all().reduce(f64::max)?).sqrt())
+    }
+
+    /// What a person should know who looks at the volume: where it is not as the photographs are.
+    #[must_use]
+    pub fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if self.particles == 0 {
+            notes.push("no particle is left: use a smaller gap, or drop fewer".to_owned());
+            return notes;
+        }
+        let kept = self.triples_kept as f64 / self.triples_aligned.max(1) as f64;
+        if kept < AGREE {
+            notes.push(format!(
+                "of the cross-sections that were tried with each other only {:.0} % agree: do the photographs show one material, \
+                 the right way round?",
+                100.0 * kept
+            ));
+        }
+        if (self.fraction - self.fraction_photographs).abs() > FRACTION {
+            notes.push(format!(
+                "particles fill {:.0} % of the volume, and {:.0} % of the photographs: where they are few voxels wide, a larger \
+                 volume (--size) helps, or a larger photograph to work with (--photo-size)",
+                100.0 * self.fraction,
+                100.0 * self.fraction_photographs
+            ));
+        }
+        if self.nearest_off().is_some_and(|off| off.ln().abs() > NEAREST) {
+            let all: Vec<String> = self.nearest.iter().flatten().map(|n| format!("{n:.2}")).collect();
+            notes.push(format!(
+                "particles lie {} times as far apart on slices as in the photographs: --enlarge says how large they are",
+                all.join(", ")
+            ));
+        }
+        notes
     }
 
     /// Measures the volume's colours.

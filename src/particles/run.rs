@@ -1,8 +1,10 @@
 //! From profiles to a volume.
 
+use std::time::Instant;
+
 use glam::DVec3;
 
-use super::edit::{self, EditParams};
+use super::edit::{self, EditParams, Recolour};
 use super::grow::NOTHING;
 use super::lay::{Laid, Lay};
 use super::library::Library;
@@ -16,6 +18,9 @@ use crate::exec::Exec;
 use crate::photo::Photograph;
 use crate::synthesis::{Axis, Synthesis, SynthesisParams, working_photograph};
 use crate::volume::checked_voxels;
+
+/// Voxels that profiles are wide on the mean, at least: below, no shape is seen, and there would be no end of particles.
+const LEAST_WIDTH: f64 = 2.0;
 
 /// Photographs with their profiles, and the slices that each is for.
 #[derive(Debug, Clone)]
@@ -37,9 +42,11 @@ pub struct ParticleVolume {
     pub library: Library,
     /// How it went.
     pub report: ParticleReport,
+    /// The seconds that placing and growing particles took, and making the matrix.
+    pub seconds: Vec<(&'static str, f64)>,
 }
 
-/// Makes a volume of whole particles in a matrix \[SST\].
+/// Makes a volume of whole particles in a matrix \[SST\]. Colours `from` other volumes are taken first, then varied.
 ///
 /// The same photographs, settings and seed give the same volume, on any number of threads.
 ///
@@ -49,6 +56,7 @@ pub fn particles(
     exemplars: &ParticleExemplars<'_>,
     params: &ParticleParams,
     edits: &EditParams,
+    from: Recolour<'_>,
     seed: u64,
     exec: &Exec,
 ) -> Result<ParticleVolume, ParticleError> {
@@ -58,13 +66,14 @@ pub fn particles(
     if exemplars.directions.iter().flatten().count() < 2 {
         return Err(ParticleError::OneDirection);
     }
-    exec.install(|| run(exemplars, params, edits, seed, exec))
+    exec.install(|| run(exemplars, params, edits, from, seed, exec))
 }
 
 fn run(
     exemplars: &ParticleExemplars<'_>,
     params: &ParticleParams,
     edits: &EditParams,
+    from: Recolour<'_>,
     seed: u64,
     exec: &Exec,
 ) -> Result<ParticleVolume, ParticleError> {
@@ -72,9 +81,13 @@ fn run(
     let at = SynthesisParams { size: params.size, photo_size: params.photo_size, ..Default::default() };
     let photos: Vec<Photograph> =
         exemplars.photos.iter().map(|(photo, _)| working_photograph(photo, Axis::X, &at)).collect();
-    let seen = Seen::new(&exemplars.photos, exemplars.directions, &photos);
+    let seen = Seen::new(&exemplars.photos, exemplars.directions, &photos, exec)?;
+    if seen.width() < LEAST_WIDTH {
+        return Err(ParticleError::Tiny { width: seen.width(), least: LEAST_WIDTH });
+    }
     let mut report = ParticleReport { fraction_photographs: seen.fraction(), ..Default::default() };
     let lay = Lay { size, params, edits, seed, exec };
+    let start = Instant::now();
     let laid = match seen.courses(params.order, DVec3::from(size.map(|n| n as f64)))? {
         Some(courses) => lay.on(&courses, seen, &mut report)?,
         None => lay.strewn(&seen, &mut report)?,
@@ -83,6 +96,8 @@ fn run(
     edit::drop(&mut grown.space, count, edits.drop, seed);
     report.particles = renumber(&mut grown.space, count);
     report.measure(&grown.space, seen.views(), report.particles);
+    let mut seconds = vec![("particles", start.elapsed().as_secs_f64())];
+    let start = Instant::now();
     let given: Vec<u32> = grown
         .space
         .labels
@@ -92,10 +107,10 @@ fn run(
         .collect();
     let mut made = matrix::fill(exemplars, &given, &at, seed, exec)?;
     report.measure_colours(&made.texture);
-    let texture = edit::varied(made.texture, &grown.space.labels, edits, seed)?;
-    made.texture = texture.with_labels(grown.space.labels)?;
+    seconds.push(("matrix", start.elapsed().as_secs_f64()));
+    made.texture = edit::edited(made.texture, grown.space.labels, edits, from, seed)?;
     let library = Library::new(stock, &photos, seen.views());
-    Ok(ParticleVolume { made, library, report })
+    Ok(ParticleVolume { made, library, report, seconds })
 }
 
 /// Numbers particles from 1 without gaps, and says how many there are.

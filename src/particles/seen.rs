@@ -8,6 +8,7 @@ use super::regular::{Rows, rows};
 use super::sites::{Courses, Misfit};
 use super::view::View;
 use super::volume_params::Order;
+use crate::exec::{Cancelled, Exec};
 use crate::photo::Photograph;
 use crate::synthesis::Axis;
 
@@ -24,15 +25,26 @@ impl Seen {
         photos: &[(&Photograph, &Profiles)],
         directions: [Option<usize>; 3],
         working: &[Photograph],
-    ) -> Self {
+        exec: &Exec,
+    ) -> Result<Self, Cancelled> {
         let first = |photo: usize| working[..photo].iter().map(|p| p.pixels().len() as u32).sum();
         let view = |photo: usize| View::new(photos[photo].1.clone(), working[photo].clone(), first(photo));
         let views = directions.map(|d| d.map(view));
         let of_photo: Vec<Option<Rows>> = (0..working.len())
-            .map(|n| rows(views[directions.iter().position(|d| *d == Some(n))?].as_ref()?))
+            .map(|n| rows(views[directions.iter().position(|d| *d == Some(n))?].as_ref()?, exec))
             .collect();
         let rows = directions.map(|d| of_photo[d?].clone());
-        Self { views, rows }
+        exec.check()?;
+        Ok(Self { views, rows })
+    }
+
+    /// How wide profiles are on the mean, in voxels, in the direction where they are narrowest.
+    pub(super) fn width(&self) -> f64 {
+        let width = |view: &&View| {
+            let area: usize = view.profiles.all.iter().map(|p| p.area).sum();
+            (area as f64 / view.profiles.all.len() as f64 * view.scale.element_product()).sqrt()
+        };
+        self.views().iter().flatten().map(width).fold(f64::INFINITY, f64::min)
     }
 
     pub(super) fn views(&self) -> [Option<&View>; 3] {

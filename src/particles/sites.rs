@@ -264,7 +264,7 @@ mod tests {
         let wall = view([56, 42], [true; 2], 1, bond([14.0, 7.0], 2.0, [90; 3]));
         let narrow = view([54, 42], [true; 2], 1, bond([9.0, 7.0], 2.0, [90; 3]));
         let of = [Some(&narrow), None, Some(&wall)];
-        let lattices = of.map(|v| rows(v?));
+        let lattices = of.map(|v| rows(v?, &Exec::default()));
         for extent in [[48.0, 48.0, 48.0], [40.0, 24.0, 31.0], [14.0, 7.0, 9.0], [100.0, 33.0, 20.0]] {
             let extent = DVec3::from_array(extent);
             let found = Courses::new(of, lattices.each_ref().map(Option::as_ref), extent).unwrap();
@@ -280,7 +280,7 @@ mod tests {
             assert_eq!(found.sites.len(), 1);
         }
         let misfit = |views: [Option<&View>; 3]| {
-            let lattices = views.map(|v| rows(v?));
+            let lattices = views.map(|v| rows(v?, &Exec::default()));
             Courses::new(views, lattices.each_ref().map(Option::as_ref), DVec3::splat(48.0)).unwrap_err()
         };
         assert_eq!(misfit([None, Some(&wall), Some(&wall)]), Misfit::None(0));

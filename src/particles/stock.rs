@@ -25,12 +25,20 @@ pub(super) struct Stock {
     pub(super) with_profile: [Vec<Vec<usize>>; 3],
     /// Triples whose sections are too complicated: none is star-shaped.
     pub(super) complicated: usize,
+    /// Particles that are larger than the volume.
+    pub(super) large: usize,
 }
 
 impl Stock {
     /// Builds `most` particles of the best triples, about as many for each profile. They are placed smaller than they are by the factor
-    /// `placed`.
-    pub(super) fn new(views: [Option<&View>; 3], triples: &Triples, most: usize, placed: f64) -> Self {
+    /// `placed`. Those that would meet themselves around a volume of that size are left out.
+    pub(super) fn new(
+        views: [Option<&View>; 3],
+        triples: &Triples,
+        most: usize,
+        placed: f64,
+        size: [usize; 3],
+    ) -> Self {
         let profiles = views.map(|v| v.map_or(0, |v| v.profiles.all.len()));
         let complete: usize = views.iter().flatten().map(|v| v.complete.len()).sum();
         let each = most.div_ceil(complete.max(1)).max(1);
@@ -45,9 +53,20 @@ impl Stock {
                 chosen.push(*triple);
             }
         }
-        let built: Vec<Option<Stocked>> = chosen.par_iter().map(|t| stocked(views, t, placed)).collect();
-        let complicated = built.iter().filter(|b| b.is_none()).count();
-        let all: Vec<Stocked> = built.into_iter().flatten().collect();
+        let shapes: Vec<Option<Shape>> = chosen.par_iter().map(|t| shape(views, t)).collect();
+        let complicated = shapes.iter().filter(|s| s.is_none()).count();
+        let shapes: Vec<(Triple, Shape)> =
+            chosen.into_iter().zip(shapes).filter_map(|(t, s)| Some((t, s?))).collect();
+        let fits = |shape: &Shape| {
+            let bounds = shape.bounds();
+            (0..3).all(|a| (bounds[a][0] + bounds[a][1]) * placed + 2.0 <= size[a] as f64)
+        };
+        let large = shapes.iter().filter(|(_, s)| !fits(s)).count();
+        let all: Vec<Stocked> = shapes
+            .into_par_iter()
+            .filter(|(_, shape)| fits(shape))
+            .filter_map(|(triple, shape)| stocked(triple, shape, placed))
+            .collect();
         let mut with_profile = profiles.map(|n| vec![Vec::new(); n]);
         for (k, stocked) in all.iter().enumerate() {
             for (of, section) in with_profile.iter_mut().zip(stocked.triple.sections) {
@@ -56,14 +75,17 @@ impl Stock {
                 }
             }
         }
-        Self { all, with_profile, complicated }
+        Self { all, with_profile, complicated, large }
     }
 }
 
-/// The particle of a triple; none where it is too complicated.
-fn stocked(views: [Option<&View>; 3], triple: &Triple, placed: f64) -> Option<Stocked> {
-    let sections = [0, 1, 2].map(|a| Some(section(views[a]?, triple.sections[a]?.0, triple.sections[a]?.1)));
-    let shape = Shape::new(sections)?;
+/// The shape of a triple; none where it is too complicated.
+fn shape(views: [Option<&View>; 3], triple: &Triple) -> Option<Shape> {
+    Shape::new([0, 1, 2].map(|a| Some(section(views[a]?, triple.sections[a]?.0, triple.sections[a]?.1))))
+}
+
+/// The particle with its voxels; none where it has none.
+fn stocked(triple: Triple, shape: Shape, placed: f64) -> Option<Stocked> {
     let bounds = shape.bounds().map(|b| b.map(|r| (r * placed).ceil() as i32));
     let mut stencil = Vec::new();
     for z in -bounds[2][0]..=bounds[2][1] {
@@ -76,7 +98,7 @@ fn stocked(views: [Option<&View>; 3], triple: &Triple, placed: f64) -> Option<St
             }
         }
     }
-    (!stencil.is_empty()).then_some(Stocked { triple: *triple, shape, stencil })
+    (!stencil.is_empty()).then_some(Stocked { triple, shape, stencil })
 }
 
 impl Stocked {
@@ -121,7 +143,7 @@ mod tests {
         let views = [Some(&x), Some(&y), Some(&z)];
         let params = ParticleParams { most_error: 0.6, ..Default::default() };
         let found = triples(views, None, &params);
-        let stock = Stock::new(views, &found, params.stock, 1.0);
+        let stock = Stock::new(views, &found, params.stock, 1.0, [64; 3]);
         assert!(stock.complicated == 0 && !stock.all.is_empty());
         for stocked in &stock.all {
             for step in stocked.stencil.iter().step_by(29) {
@@ -142,7 +164,8 @@ mod tests {
         let views = [Some(&disc); 3];
         let params = ParticleParams::default();
         let found = triples(views, None, &params);
-        let [whole, smaller] = [1.0, 0.8].map(|placed| Stock::new(views, &found, params.stock, placed));
+        let [whole, smaller] =
+            [1.0, 0.8].map(|placed| Stock::new(views, &found, params.stock, placed, [64; 3]));
         for of in &whole.with_profile {
             assert!(of.iter().all(|list| !list.is_empty()));
         }

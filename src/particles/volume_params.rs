@@ -71,14 +71,15 @@ pub struct ParticleParams {
     /// Voxels along each side (N), or along x, y and z (WxHxD)
     #[arg(long, default_value_t = Self::default().size)]
     pub size: Size,
-    /// Pixels of the photographs' longer side as they are worked with: fewer make finer particles; at most their own
+    /// Pixels of the photographs' longer side as they are worked with, 8 to 2048: fewer make finer particles; at most their own
     /// [default: as many as the longest side of the volume has voxels]
     #[arg(long, value_name = "N")]
     pub photo_size: Option<u32>,
     /// How particles find their places: auto, isotropic, lattice, or layered-x, layered-y, layered-z
     #[arg(long, default_value_t = Self::default().order)]
     pub order: Order,
-    /// Cross-sections that disagree by more are of no particle, 0 to 1: 1 is the largest difference that there can be
+    /// Cross-sections that disagree by more are of no particle, 0 to 1: 1 is the largest difference that there can be. On a
+    /// lattice, where some agree, all may disagree by 0.4
     #[arg(long, value_name = "ERROR", default_value_t = Self::default().most_error)]
     pub most_error: f64,
     /// Triples of profiles that are aligned with each other
@@ -98,7 +99,7 @@ pub struct ParticleParams {
     /// Nearest profiles that count as a profile's neighbours
     #[arg(long, value_name = "K", default_value_t = Self::default().neighbours)]
     pub neighbours: usize,
-    /// Steps in which particles push each other into the gaps, 0 to 200
+    /// Steps in which particles push each other into the gaps, 0 to 200; none on a lattice
     #[arg(long, value_name = "N", default_value_t = Self::default().repulsion)]
     pub repulsion: usize,
     /// Particles are not scaled to fill their cells
@@ -146,7 +147,7 @@ impl ParticleParams {
                 Err(ParticleError::Setting { key, value, range: text })
             }
         };
-        within("photo_size", self.photo_size.unwrap_or(1).into(), 1.0..=4096.0, "1 to 4096")?;
+        within("photo_size", self.photo_size.unwrap_or(8).into(), 8.0..=2048.0, "8 to 2048")?;
         within("most_error", self.most_error, 0.0..=1.0, "0 to 1")?;
         within("budget", self.budget as f64, 1.0..=1e7, "1 to 10000000")?;
         within("most_profiles", self.most_profiles as f64, 1.0..=512.0, "1 to 512")?;

@@ -27,7 +27,7 @@ use contact::Tile;
 use lapis::exec::{Exec, Progress};
 use lapis::files::write_whole;
 use lapis::particles::{
-    EditParams, Mask, ParticleExemplars, ParticleParams, ParticleReport, ParticleVolume, make_mask,
+    EditParams, Mask, ParticleExemplars, ParticleParams, ParticleReport, ParticleVolume, Recolour, make_mask,
     particles, profiles,
 };
 use lapis::photo::{self, Photograph};
@@ -127,7 +127,7 @@ fn make(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let stages = Arc::new(Stages::default());
         let exec = Exec::default().reporting(stages.clone());
         let start = Instant::now();
-        let volume = particles(&exemplars, &params, &EditParams::default(), 0, &exec)?;
+        let volume = particles(&exemplars, &params, &EditParams::default(), Recolour::default(), 0, &exec)?;
         let seconds = start.elapsed().as_secs_f64();
         let one = Made {
             name: source.name.to_owned(),
@@ -146,7 +146,14 @@ fn make(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         }
         let enlarge = Some(volume.report.enlargement);
         let unrefined = ParticleParams { repulsion: 0, no_scaling: true, enlarge, ..params.clone() };
-        let before = particles(&exemplars, &unrefined, &EditParams::default(), 0, &Exec::default())?;
+        let before = particles(
+            &exemplars,
+            &unrefined,
+            &EditParams::default(),
+            Recolour::default(),
+            0,
+            &Exec::default(),
+        )?;
         let pixels = by_pixels(source, &photo, *size)?;
         let sheet = sheet(source, &photo, &mask, &before.made.texture, &volume, &pixels)?;
         write_whole(&out.join(format!("{}.jpg", source.name)), &sheet)?;
