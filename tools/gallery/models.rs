@@ -44,9 +44,10 @@ pub(crate) const MODELS: [Model; 4] = [
     Model {
         name: "watermelon",
         title: "Watermelon",
-        text: "Rind, flesh and seeds depend on the depth alone; in the two other directions the texture may turn as \
-               it likes, and each copy is turned at random. Look at the layers, which follow the rind in every \
-               section, and at the seeds, which point to the middle; where two copies meet, some are half faded.",
+        text: "Rind and flesh depend on the depth alone; in the two other directions the texture may turn as it \
+               likes, and each copy is turned at random. Six hundred seeds are pasted on top, along a layer. Look at \
+               the layers, which follow the rind in every section, and at the seeds, whole wherever a cut meets them, \
+               which point to the middle.",
         paper: Some(Paper { tetrahedra: 2717, fill_s: 25.0, cut_ms: 63.0, megabytes: 9.0 }),
     },
     Model {
