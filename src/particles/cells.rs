@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::space::{FREE, Placed, way};
 use super::stock::Stock;
+use crate::exec::Exec;
 
 /// The nearest particles of a place.
 #[derive(Debug, Clone, Copy)]
@@ -71,10 +72,15 @@ pub(super) fn nearest(
     placed: &[Placed],
     stock: &Stock,
     grown: f64,
+    exec: &Exec,
 ) -> Vec<Near> {
     let buckets = Buckets::new(extent, placed, stock, grown);
     let mut all = vec![NONE; size.iter().product()];
     all.par_chunks_mut(size[0]).enumerate().for_each(|(row, line)| {
+        // Whoever called looks for that, too.
+        if exec.check().is_err() {
+            return;
+        }
         for (x, near) in line.iter_mut().enumerate() {
             let at = (DVec3::new(x as f64, (row % size[1]) as f64, (row / size[1]) as f64) + 0.5) * cell;
             *near = at_place(at, extent, buckets.at(at, extent), placed, stock);
@@ -168,7 +174,7 @@ mod tests {
         let size = [20, 16, 12];
         let cell = extent / DVec3::new(20.0, 16.0, 12.0);
         let grown = 1.8;
-        let found = nearest(size, cell, extent, &placed, &stock, grown);
+        let found = nearest(size, cell, extent, &placed, &stock, grown, &Exec::default());
         let mut known = 0;
         for (n, near) in found.iter().enumerate() {
             let at = (DVec3::from([n % 20, n / 20 % 16, n / 320].map(|c| c as f64)) + 0.5) * cell;

@@ -58,10 +58,11 @@ pub(super) fn grow(
     let _stage = exec.stage("cells of the particles", 0);
     let extent = space.extent();
     let size = space.size;
-    let near = nearest(size, DVec3::ONE, extent, placed, stock, GROWN);
+    let near = nearest(size, DVec3::ONE, extent, placed, stock, GROWN, exec);
     exec.check()?;
     let factors = factors(&near, placed.len(), growth);
     let seen = |n: usize, near: &Near| -> Option<u32> {
+        exec.check().ok()?;
         let factor = factors.of(near)?;
         let at = [n % size[0], n / size[0] % size[1], n / size[0] / size[1]].map(|c| c as f64 + 0.5);
         let p = &placed[near.label as usize - 1];

@@ -1,5 +1,5 @@
-//! Photographs taken apart into particles and the matrix between them [SST 3.1],
-//! and whole particles put back together in space [SST].
+//! Photographs taken apart into particles and the matrix between them \[SST 3.1\],
+//! and whole particles put back together in space \[SST\].
 //!
 //! A binary [`Mask`] says where particles are: [`make_mask`] makes one by a threshold, [`given_mask`] reads one that was
 //! painted. [`profiles`] are its connected parts, the cross-sections of particles. [`particles`] makes a volume of them:

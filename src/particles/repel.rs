@@ -100,7 +100,7 @@ pub(super) fn repel(
     for step in 0..steps {
         exec.check()?;
         stage.at(step as u64);
-        let owners: Vec<u32> = nearest(size, cell, extent, placed, stock, size_placed)
+        let owners: Vec<u32> = nearest(size, cell, extent, placed, stock, size_placed, exec)
             .into_iter()
             .map(|near| if f64::from(near.gauge) <= size_placed { near.label } else { FREE })
             .collect();
