@@ -191,6 +191,7 @@ fn the_examples_of_the_guide_run() {
     bench.file("p/cylinder.obj", cylinder());
     bench.file("p/log.obj", cylinder());
     bench.file("p/trunk.nrrd", &volume);
+    bench.file("p/seed.nrrd", &volume);
     bench.file("p/board.obj", board());
     bench.file(
         "p/line.svg",

@@ -387,7 +387,7 @@ fn what_cannot_be() {
         ("--repulsion 201", "0 to 200"),
         ("--alpha 2.5", "0 to 2"),
         ("--gap 65", "0 to 64"),
-        ("--photo-size 0", "1 to 4096"),
+        ("--photo-size 0", "8 to 2048"),
         ("--vary-hue 181", "0 to 180"),
         ("--vary-brightness NaN", "0 to 1"),
         ("--resize 0", "0.1 to 2"),
