@@ -43,7 +43,7 @@ assert (np.unique(labels) == np.arange(counts["particles"] + 1)).all(), "labels 
 
 names = {f"particle-{n + 1}" for n in range(most)}
 glb = trimesh.load(folder / "shapes.glb", force="scene")
-obj = trimesh.load(folder / "shapes.obj", force="scene", split_object=True, group_material=False)
+obj = trimesh.load(folder / "shapes.obj", force="scene", split_objects=True, group_material=False)
 assert set(glb.geometry) == names, f"the GLB has {sorted(glb.geometry)}"
 assert set(obj.geometry) == names, f"the OBJ has {sorted(obj.geometry)}"
 volumes = []
