@@ -22,7 +22,9 @@ pub enum BakeError {
         range: &'static str,
     },
     /// The size of a voxel is given in several ways.
-    #[error("resolution, voxel size and a printer's dots per inch all say how large a voxel is: give one of them")]
+    #[error(
+        "resolution, voxel size and a printer's dots per inch all say how large a voxel is: give one of them"
+    )]
     Sizes,
     /// Half of a printer's settings.
     #[error("a printer's grid needs both dpi_x (and dpi_y, where it is another) and layer_height")]
@@ -48,7 +50,9 @@ pub enum BakeError {
     )]
     Grid([f64; 3]),
     /// A model so large or so far away that its voxels have no places.
-    #[error("the model lies too far from the origin, or is too large, for the places of its voxels to be numbers")]
+    #[error(
+        "the model lies too far from the origin, or is too large, for the places of its voxels to be numbers"
+    )]
     TooFar,
     /// One layer does not fit into memory.
     #[error("one layer of {} × {} voxels takes {needed} MB of memory, but only {memory} MB are allowed", .size[0], .size[1])]

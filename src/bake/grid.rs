@@ -69,7 +69,8 @@ impl Grid {
     pub(super) fn span(&self, axis: usize, low: f64, high: f64) -> std::ops::Range<u32> {
         let place = |x: f64| (x - self.origin[axis]) / self.voxel[axis];
         let count = f64::from(self.size[axis]);
-        let (first, end) = (place(low).ceil().clamp(0.0, count), (place(high).floor() + 1.0).clamp(0.0, count));
+        let (first, end) =
+            (place(low).ceil().clamp(0.0, count), (place(high).floor() + 1.0).clamp(0.0, count));
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // clamped; NaN becomes 0
         let span = first as u32..end as u32;
         span

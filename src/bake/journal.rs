@@ -108,7 +108,8 @@ mod tests {
         let path = dir.path().join("journal.json");
         assert!(Journal::read(&path).unwrap().is_none());
         let params = BakeParams { voxel_size: Some(0.1 + 0.2), unit_mm: 1e-7, ..BakeParams::default() };
-        let key = Key { lapis: "1", kind: VolumeKind::Npy, models: "a".into(), params: &params, seed: u64::MAX };
+        let key =
+            Key { lapis: "1", kind: VolumeKind::Npy, models: "a".into(), params: &params, seed: u64::MAX };
         let mut journal = Journal::new(&key);
         for layers in [4, 8, 12] {
             let counts = Counts { inside: u64::from(layers) * 100, materials: vec![1, 2] };

@@ -8,6 +8,7 @@ mod error;
 mod fingerprint;
 mod grid;
 mod journal;
+mod mix;
 mod palette;
 mod params;
 mod partial;

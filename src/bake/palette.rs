@@ -1,21 +1,20 @@
 //! A printer's materials, and colours made up of them.
 //!
-//! Floyd and Steinberg's error diffusion (1976), from side to side and back, in linear light: light of neighbouring dots
-//! adds up, so their mean is the colour. Two things are added. Without noise every layer of one colour would get the same
-//! pattern, and dots would stand on each other as pillars through the print; so each choice is made with a little noise that
-//! is not diffused. And colours outside what the palette can mix are brought to its box first, lest their error
-//! piles up and smears.
+//! Error diffusion (Floyd and Steinberg 1976), from side to side and back. What is diffused is not colour but shares of
+//! materials: each voxel should be so much of each ([`Mixer`]), is one of them, and hands the rest on. So materials come in the
+//! amounts that mix to the colour in linear light, and errors stay small, also where a colour cannot be mixed; errors
+//! of colours would pile up and smear. Every layer of one colour would get the same pattern, and dots would stand on each
+//! other as pillars through the print; so each choice is made with a little noise, which is not handed on.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
+use super::mix::Mixer;
 use super::params::Dither;
 use crate::colour::{Colour, LinearRgba, decode, oklab};
 
-/// The most noise in a choice, in linear light.
-const NOISE: f32 = 0.1;
-/// The most error that is handed on in a channel.
-const MOST_ERROR: f32 = 1.0;
+/// The most noise in a choice, in shares.
+const NOISE: f32 = 0.25;
 /// Voxels of less opacity are left out of a print.
 const PRINTED: u8 = 128;
 
@@ -23,9 +22,8 @@ const PRINTED: u8 = 128;
 #[derive(Debug, Clone)]
 pub(super) struct Palette {
     materials: Vec<Material>,
-    /// The least and the greatest of each channel.
-    low: [f32; 3],
-    high: [f32; 3],
+    /// Their colours in linear light.
+    linear: Vec<[f32; 3]>,
     dither: Dither,
     seed: u64,
 }
@@ -33,7 +31,6 @@ pub(super) struct Palette {
 #[derive(Debug, Clone)]
 struct Material {
     srgb: [u8; 4],
-    linear: [f32; 3],
     oklab: [f32; 3],
 }
 
@@ -53,16 +50,10 @@ impl Palette {
         if colours.is_empty() {
             return None;
         }
-        let material = |&Colour(srgb): &Colour| {
-            let c = decode(srgb);
-            Material { srgb, linear: rgb(c), oklab: oklab(c) }
-        };
+        let material = |&Colour(srgb): &Colour| Material { srgb, oklab: oklab(decode(srgb)) };
         let materials: Vec<Material> = colours.iter().map(material).collect();
-        let of = |pick: fn(f32, f32) -> f32, from: f32| {
-            std::array::from_fn(|n| materials.iter().map(|m| m.linear[n]).fold(from, pick))
-        };
-        let (low, high) = (of(f32::min, 1.0), of(f32::max, 0.0));
-        Some(Self { materials, low, high, dither, seed })
+        let linear = materials.iter().map(|m| rgb(decode(m.srgb))).collect();
+        Some(Self { materials, linear, dither, seed })
     }
 
     /// Gives every voxel of the model one of the materials, and `outside` to all others and to those that are more clear than
@@ -75,17 +66,7 @@ impl Palette {
             }
         }
         match self.dither {
-            Dither::None => {
-                // Neighbours mostly have one colour: it is looked up once.
-                let mut last = (CLEAR, 0);
-                for voxel in layer.rgba.iter_mut().filter(|v| **v != CLEAR) {
-                    if *voxel != last.0 {
-                        last = (*voxel, self.nearest(oklab(decode(*voxel)), |m| m.oklab));
-                    }
-                    counts[last.1] += 1;
-                    *voxel = self.materials[last.1].srgb;
-                }
-            }
+            Dither::None => self.choose_nearest(layer, &mut counts),
             Dither::Diffusion => self.diffuse(layer, &mut counts),
         }
         for voxel in layer.rgba.iter_mut().filter(|v| **v == CLEAR) {
@@ -94,13 +75,36 @@ impl Palette {
         counts
     }
 
+    /// Gives each voxel the material that looks most like it.
+    fn choose_nearest(&self, layer: &mut Layer<'_>, counts: &mut [u64]) {
+        // Neighbours mostly have one colour: it is looked up once.
+        let mut last = (CLEAR, 0);
+        for voxel in layer.rgba.iter_mut().filter(|v| **v != CLEAR) {
+            if *voxel != last.0 {
+                last = (*voxel, self.nearest(oklab(decode(*voxel))));
+            }
+            counts[last.1] += 1;
+            *voxel = self.materials[last.1].srgb;
+        }
+    }
+
+    /// The material nearest to a colour, the first of those that are equally near.
+    fn nearest(&self, colour: [f32; 3]) -> usize {
+        let distance = |m: &Material| (0..3).map(|n| (m.oklab[n] - colour[n]).powi(2)).sum::<f32>();
+        let distances = self.materials.iter().map(distance).enumerate();
+        distances.fold((0, f32::INFINITY), |best, next| if next.1 < best.1 { next } else { best }).0
+    }
+
     fn diffuse(&self, layer: &mut Layer<'_>, counts: &mut [u64]) {
         let mut random = ChaCha8Rng::seed_from_u64(self.seed);
         random.set_stream(layer.k.into());
-        let width = layer.width;
-        // An empty place on both sides, so that no error needs to ask whether it has a neighbour.
-        let mut errors = vec![[0.0f32; 3]; width + 2];
+        let (width, count) = (layer.width, self.materials.len());
+        // Of each voxel the shares that are handed to it; an empty place on both sides, so that none needs to ask whether it
+        // has a neighbour.
+        let mut errors = vec![0.0f32; (width + 2) * count];
         let mut below = errors.clone();
+        let mut shares = vec![0.0f32; count];
+        let mut mixer = Mixer::new(&self.linear);
         for (j, row) in layer.rgba.chunks_exact_mut(width).enumerate() {
             let leftwards = (j + layer.k as usize) % 2 == 1;
             for step in 0..width {
@@ -109,41 +113,42 @@ impl Palette {
                 if *voxel == CLEAR {
                     continue;
                 }
-                let colour = decode(*voxel);
-                let (noise, error) = (random.next_u32().to_le_bytes(), errors[i + 1]);
-                let wanted: [f32; 3] =
-                    std::array::from_fn(|n| colour[n].clamp(self.low[n], self.high[n]) + error[n]);
-                let noisy = std::array::from_fn(|n| wanted[n] + NOISE * (f32::from(noise[n]) / 127.5 - 1.0));
-                let choice = self.nearest(noisy, |m| m.linear);
-                let material = &self.materials[choice];
+                let handed = &errors[(i + 1) * count..][..count];
+                let own = mixer.shares([voxel[0], voxel[1], voxel[2]]);
+                shares.iter_mut().zip(handed.iter().zip(own)).for_each(|(sum, (a, b))| *sum = a + b);
+                let choice = choose(&shares, random.next_u32());
                 counts[choice] += 1;
-                *voxel = material.srgb;
+                *voxel = self.materials[choice].srgb;
+                shares[choice] -= 1.0;
                 let (ahead, behind) = if leftwards { (i, i + 2) } else { (i + 2, i) };
-                for n in 0..3 {
-                    let rest = (wanted[n] - material.linear[n]).clamp(-MOST_ERROR, MOST_ERROR) / 16.0;
-                    errors[ahead][n] += 7.0 * rest;
-                    below[behind][n] += 3.0 * rest;
-                    below[i + 1][n] += 5.0 * rest;
-                    below[ahead][n] += rest;
+                for (n, share) in shares.iter().enumerate() {
+                    let rest = share / 16.0;
+                    errors[ahead * count + n] += 7.0 * rest;
+                    below[behind * count + n] += 3.0 * rest;
+                    below[(i + 1) * count + n] += 5.0 * rest;
+                    below[ahead * count + n] += rest;
                 }
             }
             std::mem::swap(&mut errors, &mut below);
-            below.fill([0.0; 3]);
+            below.fill(0.0);
         }
     }
+}
 
-    /// The material nearest to a colour, the first of those that are equally near.
-    fn nearest(&self, colour: [f32; 3], of: impl Fn(&Material) -> [f32; 3]) -> usize {
-        let mut best = (f32::INFINITY, 0);
-        for (n, material) in self.materials.iter().enumerate() {
-            let at = of(material);
-            let distance = (0..3).map(|n| (at[n] - colour[n]).powi(2)).sum();
-            if distance < best.0 {
-                best = (distance, n);
-            }
+/// The material of the largest share, when one of them, by chance, is given or taken a little. One that a voxel should have
+/// nothing of is not chosen for that.
+fn choose(shares: &[f32], random: u32) -> usize {
+    let [lucky, luck, ..] = random.to_le_bytes();
+    let lucky = usize::from(lucky) % shares.len();
+    let luck = NOISE * (f32::from(luck) / 127.5 - 1.0);
+    let mut best = (0, f32::NEG_INFINITY);
+    for (n, &share) in shares.iter().enumerate() {
+        let share = if n == lucky && share > 0.0 { share + luck } else { share };
+        if share > best.1 {
+            best = (n, share);
         }
-        best.1
     }
+    best.0
 }
 
 /// A voxel that is not printed.
@@ -157,7 +162,7 @@ fn rgb([r, g, b, _]: LinearRgba) -> [f32; 3] {
 mod tests {
     use super::*;
 
-    const WIDTH: usize = 256;
+    const WIDTH: usize = 64;
 
     fn palette(dither: Dither) -> Palette {
         let colours = ["#000", "#fff", "#e02010", "#1040c0"].map(|c| c.parse().unwrap());
@@ -176,7 +181,7 @@ mod tests {
     #[test]
     fn dither_keeps_the_mean() {
         let palette = palette(Dither::Diffusion);
-        for colour in [[128, 128, 128, 255], [200, 120, 110, 255], [150, 60, 80, 255], [20, 20, 20, 255]] {
+        for colour in [[128, 128, 128, 255], [200, 100, 95, 255], [150, 60, 80, 255], [20, 20, 20, 255]] {
             let (rgba, counts) = layer(&palette, colour, 3);
             assert_eq!(counts.iter().sum::<u64>(), rgba.len() as u64);
             for n in 0..3 {
@@ -217,11 +222,14 @@ mod tests {
         let palette = Palette::new(&greys, Dither::Diffusion, 1).unwrap();
         let mut rgba = vec![[255, 255, 255, 255]; WIDTH * WIDTH];
         for row in rgba.chunks_mut(WIDTH) {
-            row[WIDTH / 2..].fill([64, 64, 64, 255]);
+            row[WIDTH / 2..].fill([0, 20, 64, 255]);
         }
         let inside = vec![true; rgba.len()];
         palette.apply(&mut Layer { rgba: &mut rgba, inside: &inside, width: WIDTH, k: 0 }, [0; 4]);
-        let dark = rgba.chunks(WIDTH).flat_map(|row| &row[WIDTH / 2..]).filter(|v| v[0] == 64).count();
-        assert!(dark * 50 >= WIDTH * WIDTH / 2 * 49, "{dark}");
+        for row in rgba.chunks(WIDTH) {
+            assert!(
+                row[..WIDTH / 2].iter().all(|v| v[0] == 160) && row[WIDTH / 2..].iter().all(|v| v[0] == 64)
+            );
+        }
     }
 }

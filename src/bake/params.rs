@@ -9,13 +9,13 @@ use crate::colour::Colour;
 /// The most voxels along one side of a baked volume.
 pub const MAX_BAKE_SIDE: u32 = 1 << 16;
 /// The most colours of a palette.
-pub const MAX_PALETTE: usize = 256;
+pub const MAX_PALETTE: usize = 64;
 
 /// How colours between those of a palette are made up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Dither {
-    /// By error diffusion in linear light, layer by layer: from some way off, the mean is the colour
+    /// By error diffusion, layer by layer: seen from some way off, the materials mix to the colour
     #[default]
     Diffusion,
     /// Not at all: each voxel takes the colour of the palette that looks most like its own
@@ -50,7 +50,7 @@ pub struct BakeParams {
     /// For a printer: millimetres that one unit of the mesh becomes
     #[arg(long, value_name = "MM", default_value_t = Self::default().unit_mm)]
     pub unit_mm: f64,
-    /// The printer's materials: only these colours are used, as in '#f4e9d8,#3a2a1c,red'; 2 to 256, without alpha
+    /// The printer's materials: only these colours are used, as in '#f4e9d8,#3a2a1c,red'; 2 to 64, without alpha
     #[arg(long, value_name = "COLOUR,…", value_delimiter = ',')]
     pub palette: Vec<Colour>,
     /// How colours between those of the palette are made up
@@ -83,21 +83,12 @@ impl BakeParams {
     /// [`BakeError::PaletteColour`].
     pub fn validate(&self) -> Result<(), BakeError> {
         let within = |key, value: f64, range: std::ops::RangeInclusive<f64>, text| {
-            if range.contains(&value) {
-                Ok(())
-            } else {
-                Err(BakeError::Setting { key, value, range: text })
-            }
+            if range.contains(&value) { Ok(()) } else { Err(BakeError::Setting { key, value, range: text }) }
         };
         let positive = |key, value: Option<f64>| {
             within(key, value.unwrap_or(1.0), f64::MIN_POSITIVE..=f64::MAX, "more than 0")
         };
-        within(
-            "resolution",
-            self.resolution.unwrap_or(1).into(),
-            1.0..=MAX_BAKE_SIDE.into(),
-            "1 to 65536",
-        )?;
+        within("resolution", self.resolution.unwrap_or(1).into(), 1.0..=MAX_BAKE_SIDE.into(), "1 to 65536")?;
         positive("voxel_size", self.voxel_size)?;
         within("padding", self.padding.into(), 0.0..=4096.0, "0 to 4096")?;
         positive("dpi_x", self.dpi_x)?;
@@ -159,7 +150,7 @@ mod tests {
         assert!(with(|p| (p.resolution, p.dpi_x) = (Some(8), Some(600.0))).contains("one of them"));
         assert!(with(|p| p.dpi_x = Some(600.0)).contains("layer_height"));
         assert!(with(|p| p.layer_height = Some(0.1)).contains("dpi_x"));
-        assert!(with(|p| p.palette = vec![Colour::WHITE]).contains("2 to 256 colours, not 1"));
+        assert!(with(|p| p.palette = vec![Colour::WHITE]).contains("2 to 64 colours, not 1"));
         assert!(with(|p| p.palette = vec![Colour::WHITE; 2]).contains("twice"));
         assert!(with(|p| p.palette = vec![Colour::WHITE, Colour::TRANSPARENT]).contains("opaque"));
         assert!(with(|p| p.palette = vec![Colour::WHITE; 300]).contains("not 300"));

@@ -91,9 +91,8 @@ fn a_shared_face_belongs_to_the_first_tetrahedron() {
     };
     assert!((0..6).all(|t| shared(DVec3::ZERO, t)));
     let mut other = solid.clone();
-    other.exemplars[0] = Arc::new(
-        crate::volume::SolidTexture::new([1; 3], vec![[1, 2, 3, 255]], [false; 3]).unwrap(),
-    );
+    other.exemplars[0] =
+        Arc::new(crate::volume::SolidTexture::new([1; 3], vec![[1, 2, 3, 255]], [false; 3]).unwrap());
     let bake = |models: &[&LappedSolid]| {
         let found = raster::meeting(models, &grid, &(0..1));
         let (mut rgba, mut inside) = ([[0; 4]], [false]);
@@ -205,9 +204,7 @@ fn a_stopped_bake_goes_on_with_the_same_bytes() {
         let path = dir.path().join(name);
         let partial = dir.path().join(format!("{name}.partial"));
         let token = CancelToken::default();
-        let exec = Exec::default()
-            .reporting(Arc::new(StopAfter(13, token.clone())))
-            .cancelled_by(token);
+        let exec = Exec::default().reporting(Arc::new(StopAfter(13, token.clone()))).cancelled_by(token);
         let stopped = bake(&[&solid], &params, 3, output(&path), &exec).unwrap_err();
         let BakeError::Stopped { done, layers: 24, folder } = stopped else { panic!("{stopped}") };
         assert!(done >= 2 && folder == partial && !path.exists(), "{done}");
@@ -247,9 +244,7 @@ fn voxels_that_were_lost_are_made_anew() {
     let partial = dir.path().join("v.nrrd.partial");
     for length in [0, 10, whole[0].len() / 2] {
         let token = CancelToken::default();
-        let exec = Exec::default()
-            .reporting(Arc::new(StopAfter(20, token.clone())))
-            .cancelled_by(token);
+        let exec = Exec::default().reporting(Arc::new(StopAfter(20, token.clone()))).cancelled_by(token);
         bake(&[&solid], &params(24), 0, output(&path), &exec).unwrap_err();
         let voxels = fs::read(partial.join("voxels")).unwrap();
         fs::write(partial.join("voxels"), &voxels[..length.min(voxels.len())]).unwrap();
@@ -265,9 +260,8 @@ fn what_lies_in_the_way_is_told_apart() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("v.nrrd");
     let partial = dir.path().join("v.nrrd.partial");
-    let run = |anew: bool| {
-        bake(&[&solid], &params(8), 0, BakeOutput { anew, ..output(&path) }, &Exec::default())
-    };
+    let run =
+        |anew: bool| bake(&[&solid], &params(8), 0, BakeOutput { anew, ..output(&path) }, &Exec::default());
     fs::create_dir(&partial).unwrap();
     fs::write(partial.join("thesis.txt"), "years").unwrap();
     assert!(matches!(run(true), Err(BakeError::Strange { name, .. }) if name == "thesis.txt"));
@@ -290,8 +284,5 @@ fn what_lies_in_the_way_is_told_apart() {
     fs::write(home.join("thesis.txt"), "years").unwrap();
     let refused = bake(&[&solid], &params(8), 0, output(&home), &Exec::default()).unwrap_err();
     assert!(matches!(refused, BakeError::Io { .. }), "{refused}");
-    assert!(matches!(
-        bake(&[], &params(8), 0, output(&path), &Exec::default()),
-        Err(BakeError::Empty)
-    ));
+    assert!(matches!(bake(&[], &params(8), 0, output(&path), &Exec::default()), Err(BakeError::Empty)));
 }

@@ -121,7 +121,11 @@ fn size(bytes: u64) -> String {
         value /= 1000.0;
         unit += 1;
     }
-    if value < 10.0 && unit > 0 { format!("{value:.1} {}", units[unit]) } else { format!("{value:.0} {}", units[unit]) }
+    if value < 10.0 && unit > 0 {
+        format!("{value:.1} {}", units[unit])
+    } else {
+        format!("{value:.0} {}", units[unit])
+    }
 }
 
 /// Settings that cannot be, in the words of the command line.
@@ -130,12 +134,12 @@ fn in_options(error: BakeError) -> Failure {
         BakeError::Setting { key, value, range } => {
             Failure::usage(format!("--{} {value}: it must be {range}", key.replace('_', "-")))
         }
-        BakeError::Sizes => {
-            Failure::usage("--resolution, --voxel-size and --dpi-x all say how large a voxel is: give one of them")
-        }
-        BakeError::Printer => {
-            Failure::usage("a printer's grid needs --dpi-x and --layer-height (and --dpi-y, where it is another)")
-        }
+        BakeError::Sizes => Failure::usage(
+            "--resolution, --voxel-size and --dpi-x all say how large a voxel is: give one of them",
+        ),
+        BakeError::Printer => Failure::usage(
+            "a printer's grid needs --dpi-x and --layer-height (and --dpi-y, where it is another)",
+        ),
         e @ (BakeError::Palette(_) | BakeError::PaletteColour { .. }) => {
             Failure::usage(format!("--palette: {e}"))
         }
