@@ -55,12 +55,12 @@ fn mix(materials: &[[f32; 3]], colour: [f64; 3]) -> Vec<f32> {
         let slope = |n: usize| dot(&from[n], &missed) + cost[n];
         let (mut take, mut give) = (nearest, nearest);
         let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-        for n in 0..from.len() {
+        for (n, &share) in shares.iter().enumerate() {
             let s = slope(n);
             if s < least {
                 (least, take) = (s, n);
             }
-            if shares[n] > 0.0 && s > most {
+            if share > 0.0 && s > most {
                 (most, give) = (s, n);
             }
         }
