@@ -1,41 +1,62 @@
 //! Which shares of a printer's materials mix to a colour.
 
-use crate::colour::decode;
+use rayon::prelude::*;
+
+use crate::colour::linear_table;
 
 /// How much a share of a material costs for each unit of squared distance to the colour, against missing the colour by as
 /// much: so little that the mix is right, but that of all right mixes the one of the most similar materials wins.
 const SPREAD: f64 = 1e-3;
 /// Steps of the descent at most.
 const STEPS: usize = 400;
-/// Colours whose shares are kept, a power of two.
-const KEPT: usize = 1 << 12;
+/// Every so many values of a channel there is a level whose mixes are known; a power of two.
+const STRIDE: usize = 8;
+/// Levels of a channel: 0, 8, … 248, 255.
+const LEVELS: usize = 256 / STRIDE + 1;
 
-/// Mixes colours of materials, and remembers some of them.
-pub(super) struct Mixer<'a> {
-    materials: &'a [[f32; 3]],
-    /// Of each slot the colour whose shares it has.
-    colours: Vec<Option<[u8; 3]>>,
+/// The mixes of the colours of a lattice. A colour between its points is rounded by chance to one above or below, all channels
+/// by the same chance, so that grey stays grey; the mean of what it is rounded to is the colour, in linear light.
+#[derive(Debug, Clone)]
+pub(super) struct Mixer {
+    count: usize,
+    /// Red fastest, shares side by side.
     shares: Vec<f32>,
+    /// Of each value of a channel the level below, and how much of 65536 it lies towards the next.
+    rounding: Vec<(usize, u32)>,
 }
 
-impl<'a> Mixer<'a> {
+impl Mixer {
     /// Of materials with these colours in linear light; there is at least one.
-    pub(super) fn new(materials: &'a [[f32; 3]]) -> Self {
-        Self { materials, colours: vec![None; KEPT], shares: vec![0.0; KEPT * materials.len()] }
+    pub(super) fn new(materials: &[[f32; 3]]) -> Self {
+        let light = linear_table();
+        let level = |n: usize| light[(n * STRIDE).min(255)];
+        let shares = (0..LEVELS.pow(3))
+            .into_par_iter()
+            .flat_map_iter(|at| {
+                let levels = [at % LEVELS, at / LEVELS % LEVELS, at / (LEVELS * LEVELS)];
+                mix(materials, levels.map(|n| f64::from(level(n))))
+            })
+            .collect();
+        let rounding = (0..256)
+            .map(|value| {
+                let below = value / STRIDE;
+                let part = (light[value] - level(below)) / (level(below + 1) - level(below));
+                #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // 0 to 1
+                let part = (part * 65536.0) as u32;
+                (below, part)
+            })
+            .collect();
+        Self { count: materials.len(), shares, rounding }
     }
 
     /// The share of each material in a colour; they sum to 1. A colour that cannot be mixed gets those of the nearest one.
-    pub(super) fn shares(&mut self, colour: [u8; 3]) -> &[f32] {
-        let [r, g, b] = colour;
-        let slot = u32::from_le_bytes([r, g, b, 0]).wrapping_mul(2_654_435_761) as usize >> 20 & (KEPT - 1);
-        let count = self.materials.len();
-        let kept = &mut self.shares[slot * count..][..count];
-        if self.colours[slot] != Some(colour) {
-            self.colours[slot] = Some(colour);
-            let [r, g, b, _] = decode([r, g, b, 255]);
-            kept.copy_from_slice(&mix(self.materials, [r, g, b].map(f64::from)));
-        }
-        kept
+    pub(super) fn shares(&self, colour: [u8; 3], chance: u16) -> &[f32] {
+        let [r, g, b] = colour.map(|value| {
+            let (below, part) = self.rounding[value as usize];
+            below + usize::from(u32::from(chance) < part)
+        });
+        let at = (b * LEVELS + g) * LEVELS + r;
+        &self.shares[at * self.count..][..self.count]
     }
 }
 
@@ -131,16 +152,16 @@ mod tests {
     }
 
     #[test]
-    fn what_is_remembered_is_the_same() {
-        let mut mixer = Mixer::new(&MATERIALS);
-        let colours = (0..20_000u32).map(|n| [n as u8, (n >> 3) as u8, (n >> 6) as u8]);
-        for colour in colours.clone().chain(colours) {
-            let [r, g, b, _] = decode([colour[0], colour[1], colour[2], 255]);
-            if colour[0].is_multiple_of(16) {
-                assert_eq!(mixer.shares(colour), shares([r, g, b]));
-            } else {
-                mixer.shares(colour);
-            }
+    fn rounding_keeps_the_mean() {
+        let mixer = Mixer::new(&MATERIALS);
+        for value in [0u8, 3, 100, 128, 251, 255] {
+            let mean = |n: usize| {
+                let some = (0..65536u32).step_by(64).map(|chance| mixer.shares([value; 3], chance as u16)[n]);
+                some.sum::<f32>() / 1024.0
+            };
+            let light: [f32; 3] =
+                [0, 1, 2].map(|c| (0..5).map(|n| mean(n) * MATERIALS[n][c]).sum::<f32>());
+            assert!(light.iter().all(|l| (l - linear_table()[value as usize]).abs() < 2e-3), "{value} {light:?}");
         }
     }
 }

@@ -22,9 +22,8 @@ const PRINTED: u8 = 128;
 #[derive(Debug, Clone)]
 pub(super) struct Palette {
     materials: Vec<Material>,
-    /// Their colours in linear light.
-    linear: Vec<[f32; 3]>,
-    dither: Dither,
+    /// Where it dithers.
+    mixer: Option<Mixer>,
     seed: u64,
 }
 
@@ -52,8 +51,9 @@ impl Palette {
         }
         let material = |&Colour(srgb): &Colour| Material { srgb, oklab: oklab(decode(srgb)) };
         let materials: Vec<Material> = colours.iter().map(material).collect();
-        let linear = materials.iter().map(|m| rgb(decode(m.srgb))).collect();
-        Some(Self { materials, linear, dither, seed })
+        let mixer = (dither == Dither::Diffusion)
+            .then(|| Mixer::new(&materials.iter().map(|m| rgb(decode(m.srgb))).collect::<Vec<_>>()));
+        Some(Self { materials, mixer, seed })
     }
 
     /// Gives every voxel of the model one of the materials, and `outside` to all others and to those that are more clear than
@@ -65,9 +65,9 @@ impl Palette {
                 *voxel = CLEAR;
             }
         }
-        match self.dither {
-            Dither::None => self.choose_nearest(layer, &mut counts),
-            Dither::Diffusion => self.diffuse(layer, &mut counts),
+        match &self.mixer {
+            None => self.choose_nearest(layer, &mut counts),
+            Some(mixer) => self.diffuse(mixer, layer, &mut counts),
         }
         for voxel in layer.rgba.iter_mut().filter(|v| **v == CLEAR) {
             *voxel = outside;
@@ -95,7 +95,7 @@ impl Palette {
         distances.fold((0, f32::INFINITY), |best, next| if next.1 < best.1 { next } else { best }).0
     }
 
-    fn diffuse(&self, layer: &mut Layer<'_>, counts: &mut [u64]) {
+    fn diffuse(&self, mixer: &Mixer, layer: &mut Layer<'_>, counts: &mut [u64]) {
         let mut random = ChaCha8Rng::seed_from_u64(self.seed);
         random.set_stream(layer.k.into());
         let (width, count) = (layer.width, self.materials.len());
@@ -104,7 +104,6 @@ impl Palette {
         let mut errors = vec![0.0f32; (width + 2) * count];
         let mut below = errors.clone();
         let mut shares = vec![0.0f32; count];
-        let mut mixer = Mixer::new(&self.linear);
         for (j, row) in layer.rgba.chunks_exact_mut(width).enumerate() {
             let leftwards = (j + layer.k as usize) % 2 == 1;
             for step in 0..width {
@@ -113,10 +112,17 @@ impl Palette {
                 if *voxel == CLEAR {
                     continue;
                 }
-                let handed = &errors[(i + 1) * count..][..count];
-                let own = mixer.shares([voxel[0], voxel[1], voxel[2]]);
-                shares.iter_mut().zip(handed.iter().zip(own)).for_each(|(sum, (a, b))| *sum = a + b);
-                let choice = choose(&shares, random.next_u32());
+                let [lucky, luck, low, high] = random.next_u32().to_le_bytes();
+                let colour = [voxel[0], voxel[1], voxel[2]];
+                shares.copy_from_slice(&errors[(i + 1) * count..][..count]);
+                match self.materials.iter().position(|m| m.srgb[..3] == colour) {
+                    Some(pure) => shares[pure] += 1.0,
+                    None => {
+                        let own = mixer.shares(colour, u16::from_le_bytes([low, high]));
+                        shares.iter_mut().zip(own).for_each(|(sum, share)| *sum += share);
+                    }
+                }
+                let choice = choose(&shares, [lucky, luck]);
                 counts[choice] += 1;
                 *voxel = self.materials[choice].srgb;
                 shares[choice] -= 1.0;
@@ -137,8 +143,7 @@ impl Palette {
 
 /// The material of the largest share, when one of them, by chance, is given or taken a little. One that a voxel should have
 /// nothing of is not chosen for that.
-fn choose(shares: &[f32], random: u32) -> usize {
-    let [lucky, luck, ..] = random.to_le_bytes();
+fn choose(shares: &[f32], [lucky, luck]: [u8; 2]) -> usize {
     let lucky = usize::from(lucky) % shares.len();
     let luck = NOISE * (f32::from(luck) / 127.5 - 1.0);
     let mut best = (0, f32::NEG_INFINITY);
