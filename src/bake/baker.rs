@@ -45,13 +45,14 @@ impl<'a> Baker<'a> {
     ///
     /// # Errors
     /// Settings or a grid that cannot be, no model.
-    pub fn new(models: &[&'a LappedSolid], params: &BakeParams, seed: u64) -> Result<Self, BakeError> {
-        params.validate()?;
-        let bounds = models.iter().filter(|m| !m.mesh.tets.is_empty()).filter_map(|m| m.mesh.bounds());
-        let both = bounds.reduce(|(low, high), (l, h)| (low.min(l), high.max(h)));
-        let (low, high) = both.ok_or(BakeError::Empty)?;
-        let grid = Grid::around(low, high, params)?;
-        let palette = Palette::new(&params.palette, params.dither, seed);
+    pub fn new(
+        models: &[&'a LappedSolid],
+        params: &BakeParams,
+        seed: u64,
+        exec: &Exec,
+    ) -> Result<Self, BakeError> {
+        let grid = Grid::of(models, params)?;
+        let palette = exec.install(|| Palette::new(&params.palette, params.dither, seed));
         Ok(Self { models: models.to_vec(), grid, palette, background: params.background.0 })
     }
 

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::BakeError;
 use super::params::{BakeParams, MAX_BAKE_SIDE};
+use crate::lap::LappedSolid;
 
 /// Millimetres in an inch.
 const INCH: f64 = 25.4;
@@ -22,8 +23,20 @@ pub struct Grid {
 }
 
 impl Grid {
+    /// Around all models.
+    ///
+    /// # Errors
+    /// Settings or a grid that cannot be, no model.
+    pub fn of(models: &[&LappedSolid], params: &BakeParams) -> Result<Self, BakeError> {
+        params.validate()?;
+        let bounds = models.iter().filter(|m| !m.mesh.tets.is_empty()).filter_map(|m| m.mesh.bounds());
+        let both = bounds.reduce(|(low, high), (l, h)| (low.min(l), high.max(h)));
+        let (low, high) = both.ok_or(BakeError::Empty)?;
+        Self::around(low, high, params)
+    }
+
     /// Around the box from `low` to `high`, with valid settings.
-    pub(super) fn around(low: DVec3, high: DVec3, params: &BakeParams) -> Result<Self, BakeError> {
+    fn around(low: DVec3, high: DVec3, params: &BakeParams) -> Result<Self, BakeError> {
         let extent = high - low;
         let voxel = match (params.voxel_size, params.dpi_x, params.layer_height) {
             (Some(side), ..) => DVec3::splat(side),

@@ -159,9 +159,11 @@ mod tests {
                 let some = (0..65536u32).step_by(64).map(|chance| mixer.shares([value; 3], chance as u16)[n]);
                 some.sum::<f32>() / 1024.0
             };
-            let light: [f32; 3] =
-                [0, 1, 2].map(|c| (0..5).map(|n| mean(n) * MATERIALS[n][c]).sum::<f32>());
-            assert!(light.iter().all(|l| (l - linear_table()[value as usize]).abs() < 2e-3), "{value} {light:?}");
+            let light: [f32; 3] = [0, 1, 2].map(|c| (0..5).map(|n| mean(n) * MATERIALS[n][c]).sum::<f32>());
+            assert!(
+                light.iter().all(|l| (l - linear_table()[value as usize]).abs() < 2e-3),
+                "{value} {light:?}"
+            );
         }
     }
 }

@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::BakeError;
 use super::baker::Baker;
 use super::fingerprint::fingerprint;
+use super::grid::Grid;
 use super::journal::Key;
 use super::params::BakeParams;
 use super::partial::Partial;
@@ -50,8 +51,7 @@ impl BakePlan {
     ///
     /// # Errors
     /// [`BakeError::Memory`] where not even one layer fits.
-    pub fn new(baker: &Baker<'_>, kind: VolumeKind, memory: u64) -> Result<Self, BakeError> {
-        let grid = baker.grid();
+    pub fn new(grid: &Grid, kind: VolumeKind, memory: u64) -> Result<Self, BakeError> {
         let layer = grid.layer() * kind.working();
         let layers = (memory / layer).min(MOST_LAYERS).min(grid.size[2].into());
         if layers == 0 {
@@ -115,8 +115,8 @@ pub fn bake(
     output: BakeOutput<'_>,
     exec: &Exec,
 ) -> Result<Baked, BakeError> {
-    let baker = Baker::new(models, params, seed)?;
-    let plan = BakePlan::new(&baker, output.kind, output.memory)?;
+    let plan = BakePlan::new(&Grid::of(models, params)?, output.kind, output.memory)?;
+    let baker = Baker::new(models, params, seed, exec)?;
     exec.check()?;
     let placed = placed(&baker, params);
     let models = format!("{:016x}", fingerprint(models));

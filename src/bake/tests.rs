@@ -20,7 +20,7 @@ fn params(resolution: u32) -> BakeParams {
 
 /// All voxels, and what was counted.
 fn all(models: &[&LappedSolid], params: &BakeParams) -> (Grid, Vec<[u8; 4]>, Counts) {
-    let baker = Baker::new(models, params, 3).unwrap();
+    let baker = Baker::new(models, params, 3, &Exec::default()).unwrap();
     let grid = *baker.grid();
     let mut rgba = vec![[0; 4]; grid.voxels() as usize];
     let counts = baker.layers(0..grid.size[2], &mut rgba, &Exec::default(), |_| {}).unwrap();
@@ -109,7 +109,8 @@ fn voxels_inside_have_the_volume_of_the_model() {
     let ball = testing::ball(8);
     for n in [40, 80] {
         let (.., counts) = all(&[&ball], &params(n));
-        let ratio = Baker::new(&[&ball], &params(n), 0).unwrap().volume_ratio(counts.inside);
+        let ratio =
+            Baker::new(&[&ball], &params(n), 0, &Exec::default()).unwrap().volume_ratio(counts.inside);
         assert!((ratio - 1.0).abs() < 0.2 / f64::from(n), "{n}: {ratio}");
     }
     // Two models fill one grid.
@@ -128,7 +129,7 @@ fn any_layers_alone_are_as_among_all() {
     let palette = ["#000", "#fff", "#a0b040"].map(|c| c.parse().unwrap()).to_vec();
     for params in [params(24), BakeParams { palette, padding: 1, ..params(24) }] {
         let (grid, rgba, counts) = all(&[&solid], &params);
-        let baker = Baker::new(&[&solid], &params, 3).unwrap();
+        let baker = Baker::new(&[&solid], &params, 3, &Exec::default()).unwrap();
         let layer = grid.size[0] as usize * grid.size[1] as usize;
         let one = Exec::with_threads(1).unwrap();
         let mut sum = Counts::default();
@@ -144,9 +145,8 @@ fn any_layers_alone_are_as_among_all() {
 #[test]
 fn memory_is_bounded_before_it_is_taken() {
     let solid = testing::cube(1);
-    let plan = |n: u32, kind, memory| {
-        BakePlan::new(&Baker::new(&[&solid], &params(n), 0).unwrap(), kind, memory << 20)
-    };
+    let plan =
+        |n: u32, kind, memory| BakePlan::new(&Grid::of(&[&solid], &params(n)).unwrap(), kind, memory << 20);
     // 4096³ voxels: 275 GB on the disk, but never more than is allowed in memory.
     let large = plan(4096, VolumeKind::Nrrd, 512).unwrap();
     assert_eq!((large.disk, large.slab), (4 << 36, 6));

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use lapis::bake::{BakeError, BakeOutput, BakeParams, BakePlan, Baker, VolumeKind, bake};
+use lapis::bake::{BakeError, BakeOutput, BakeParams, BakePlan, Grid, VolumeKind, bake};
 use lapis::project::{OutputError, OutputFile, Report};
 
 use super::failure::Failure;
@@ -42,8 +42,8 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         let start = Instant::now();
         let seed = args.shared.seed.unwrap_or(0);
         let memory = u64::from(args.memory) << 20;
-        let plan =
-            BakePlan::new(&Baker::new(&models, &args.params, seed).map_err(in_options)?, kind, memory)?;
+        let grid = Grid::of(&models, &args.params).map_err(in_options)?;
+        let plan = BakePlan::new(&grid, kind, memory)?;
         announce(session, &plan, kind);
         let output = BakeOutput { path: &args.output, kind, memory, anew: args.shared.force };
         let made =
