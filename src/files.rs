@@ -94,6 +94,30 @@ pub fn write_all(files: &[(&Path, &[u8])]) -> Result<(), WriteError> {
     Ok(())
 }
 
+/// Moves files that belong together, each from its first path to its second on the same disk: all of them or none. What
+/// stood in their places is kept, or put back, if anything fails.
+///
+/// # Errors
+/// [`WriteError`] names the place.
+pub fn move_all(files: &[(PathBuf, PathBuf)]) -> Result<(), WriteError> {
+    let mut moved: Vec<(&Path, &Path, Option<tempfile::TempPath>)> = Vec::new();
+    for (from, to) in files {
+        let before = if files.len() > 1 { second_name(to) } else { None };
+        if let Err(source) = fs::rename(from, to) {
+            for (from, to, before) in moved.into_iter().rev() {
+                // As in `take_back`.
+                let _ = fs::rename(to, from);
+                if let Some(old) = before {
+                    let _ = old.persist(to);
+                }
+            }
+            return Err(WriteError { path: to.clone(), source });
+        }
+        moved.push((from, to, before));
+    }
+    Ok(())
+}
+
 /// The folder that a file lies in.
 fn folder_of(path: &Path) -> &Path {
     match path.parent() {
@@ -171,6 +195,21 @@ mod tests {
         let error = write_all(&[(&a, b"2"), (&b, b"2"), (&lost, b"2")]).unwrap_err();
         assert_eq!(error.path, lost);
         assert_eq!(read_whole(&a).unwrap(), b"1");
+        assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn files_move_together() {
+        let dir = tempfile::tempdir().unwrap();
+        let [a, b, c, d, lost] = ["a", "b", "c", "d", "no/e"].map(|n| dir.path().join(n));
+        let names = [(&a, "a"), (&b, "b"), (&c, "c")];
+        let kept = || names.iter().all(|(path, text)| fs::read_to_string(path).is_ok_and(|t| t == *text));
+        names.iter().for_each(|(path, text)| fs::write(path, text).unwrap());
+        let error = move_all(&[(a.clone(), c.clone()), (b.clone(), lost.clone())]).unwrap_err();
+        assert_eq!(error.path, lost);
+        assert!(kept() && fs::read_dir(dir.path()).unwrap().count() == 3);
+        move_all(&[(a, c.clone()), (b, d.clone())]).unwrap();
+        assert_eq!((read_whole(&c).unwrap(), read_whole(&d).unwrap()), (b"a".to_vec(), b"b".to_vec()));
         assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 2);
     }
 

@@ -17,10 +17,12 @@
 //! | [`lap`] | [`lap::LappedSolid`]: the mesh filled with overlapping patches |
 //! | [`cut`] | pieces, each a whole lapped solid |
 //! | [`render`], [`export`] | pictures; GLB and PLY |
+//! | [`bake`](mod@bake) | volumes of voxels, slices for printers |
 //! | [`paint`] | what was painted over pictures, in space |
 //! | [`project`] | the TOML file that names all inputs, and its run |
 
 pub mod assess;
+pub mod bake;
 pub mod colour;
 pub mod cut;
 pub mod exec;

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The rooms, from left to right. Rooms of one group do not use each other, but for the order below.
-const ROOMS: [&str; 20] = [
+const ROOMS: [&str; 21] = [
     "exec",
     "files",
     "colour",
@@ -23,6 +23,7 @@ const ROOMS: [&str; 20] = [
     "cut",
     "render",
     "export",
+    "bake",
     "paint",
     "project",
 ];

@@ -139,9 +139,19 @@ fn help_and_version_go_to_standard_output() {
         assert!(version.contains(word), "{word}");
     }
     let help = bench.ok("--help").out();
-    for command in
-        ["new", "run", "unroll", "assess", "tetrahedralise", "fill", "cut", "render", "export", "info"]
-    {
+    for command in [
+        "new",
+        "run",
+        "unroll",
+        "assess",
+        "tetrahedralise",
+        "fill",
+        "cut",
+        "render",
+        "export",
+        "bake",
+        "info",
+    ] {
         assert!(help.contains(command), "{command}");
         let own = bench.ok(&format!("{command} --help")).out();
         for option in ["--seed", "--threads", "--quiet", "--force", "--json"] {

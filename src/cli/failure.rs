@@ -17,8 +17,8 @@ pub(crate) enum Failure {
         /// Why.
         why: Box<dyn Error + Send + Sync>,
     },
-    /// The user asked it to stop: exit code 130.
-    Stopped,
+    /// The user asked it to stop: exit code 130. Says what became of the work, where that is not just lost.
+    Stopped(Option<String>),
 }
 
 impl Failure {
@@ -42,7 +42,7 @@ impl Failure {
         ExitCode::from(match self {
             Self::Usage(_) => 2,
             Self::Run { .. } => 1,
-            Self::Stopped => 130,
+            Self::Stopped(_) => 130,
         })
     }
 }
@@ -57,7 +57,7 @@ impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Usage(message) => write!(f, "{message}"),
-            Self::Stopped => f.write_str("stopped"),
+            Self::Stopped(what) => f.write_str(what.as_deref().unwrap_or("stopped")),
             Self::Run { what, why } => {
                 let mut last = match what {
                     Some(what) => what.clone(),

@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand, each of them thin.
 
 mod assess;
+mod bake;
 mod cut;
 mod export;
 mod failure;
@@ -66,6 +67,8 @@ enum Command {
     Render(render::Args),
     /// Hands a filled model on to other programs
     Export(export::Args),
+    /// Bakes filled models into voxels: a volume, or slices for a printer
+    Bake(bake::Args),
     /// Says what is in a file: mesh, volume, model, project, stroke or camera
     Info(info::Args),
     /// Runs the embedded TetGen on the files of FOLDER. Started by Lapis itself, so that a crash or a hang
@@ -150,6 +153,7 @@ fn dispatch(command: Command) -> Result<ExitCode, Failure> {
         Command::Cut(args) => cut::main(&args),
         Command::Render(args) => render::main(&args),
         Command::Export(args) => export::main(&args),
+        Command::Bake(args) => bake::main(&args),
         Command::Info(args) => info::main(&args),
         Command::Tetgen { folder } => {
             let code = lapis::mesh::tetgen_helper(&folder);

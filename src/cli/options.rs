@@ -46,12 +46,12 @@ impl Shared {
     /// Starts threads, progress bars and the watch for Ctrl-C, and does the work.
     pub(crate) fn run(&self, work: impl FnOnce(&Session) -> Result<(), Failure>) -> Result<(), Failure> {
         let session = self.start()?;
-        let result = work(&session);
-        // What goes wrong after Ctrl-C is what the user asked for.
-        if result.is_err() && session.exec.cancel_token().is_cancelled() {
-            return Err(Failure::Stopped);
+        match work(&session) {
+            Err(Failure::Stopped(what)) => Err(Failure::Stopped(what)),
+            // What goes wrong after Ctrl-C is what the user asked for.
+            Err(_) if session.exec.cancel_token().is_cancelled() => Err(Failure::Stopped(None)),
+            result => result,
         }
-        result
     }
 
     fn start(&self) -> Result<Session, Failure> {
@@ -90,6 +90,13 @@ impl Session {
     /// TetGen: a program of the system, or this program as its own helper.
     pub(crate) fn mesher() -> Mesher {
         Mesher::find(std::env::current_exe().ok())
+    }
+
+    /// Tells people, on standard error, what they should know before long work.
+    pub(crate) fn say(&self, text: &str) {
+        if !self.shared.quiet {
+            let _ = writeln!(std::io::stderr(), "{text}");
+        }
     }
 
     /// Ends a command that succeeded: JSON on standard output if asked for, a summary on standard error.

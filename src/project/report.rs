@@ -11,7 +11,8 @@ use serde_json::{Map, Value};
 pub struct Output {
     /// Where it lies.
     pub path: PathBuf,
-    /// What it is: `lapped-solid`, `picture`, `glb`, `obj`, `mtl`, `atlas`, `ply`, `stl`, `vtu`, `tetrahedra`, `report`.
+    /// What it is: `lapped-solid`, `picture`, `glb`, `obj`, `mtl`, `atlas`, `ply`, `stl`, `vtu`, `tetrahedra`, `report`,
+    /// `volume`, `slices`, `sidecar`.
     pub kind: String,
 }
 

@@ -107,8 +107,8 @@ impl<'a> Array<'a> {
     }
 }
 
-/// An array as the bytes of an NPY file.
-pub(crate) fn encode<T: Number>(shape: &[u32], values: &[T]) -> Vec<u8> {
+/// What stands before the numbers of an array in its NPY file.
+pub(crate) fn head<T: Number>(shape: &[u32]) -> Vec<u8> {
     let sides: Vec<String> = shape.iter().map(u32::to_string).collect();
     // Python's way of writing a list of one.
     let comma = if sides.len() == 1 { "," } else { "" };
@@ -119,6 +119,12 @@ pub(crate) fn encode<T: Number>(shape: &[u32], values: &[T]) -> Vec<u8> {
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
     bytes.extend_from_slice(&u16::try_from(length).expect("a few sizes").to_le_bytes());
     bytes.extend_from_slice(format!("{header:<width$}\n", width = length - 1).as_bytes());
+    bytes
+}
+
+/// An array as the bytes of an NPY file.
+pub(crate) fn encode<T: Number>(shape: &[u32], values: &[T]) -> Vec<u8> {
+    let mut bytes = head::<T>(shape);
     T::to_bytes(values, &mut bytes);
     bytes
 }

@@ -1,5 +1,6 @@
 //! What files of plain numbers and pictures cannot say of a volume, as JSON beside them:
-//! `{"tiles": "xz", "labels": "stones-labels.npy"}`; `labels` may be left out.
+//! `{"tiles": "xz", "labels": "stones-labels.npy"}`; `labels` may be left out. Baked volumes have besides where their voxels
+//! lie: `{"tiles": "", "voxel_size": [0.1, 0.1, 0.1], "origin": [-3.2, -3.2, -4.0]}`, and how they are printed.
 
 use std::io;
 use std::path::Path;
@@ -8,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::labels::{self, LabelsError};
 use super::nrrd::{axes, parse_axes};
+use super::placed::{Placed, Print};
 use super::texture::SolidTexture;
 use crate::files;
 
@@ -27,12 +29,24 @@ pub(super) struct Sidecar {
     tiles: String,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     labels: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    voxel_size: Option<[f64; 3]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    origin: Option<[f64; 3]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    print: Option<Print>,
 }
 
 impl Sidecar {
     /// Of a texture that tiles along some axes, and whose labels lie in the file of that name.
     pub(super) fn new(tiles: [bool; 3], labels: Option<String>) -> Self {
-        Self { tiles: axes(tiles), labels }
+        Self { tiles: axes(tiles), labels, ..Self::default() }
+    }
+
+    /// Of a volume that lies somewhere in space.
+    pub(super) fn placed(placed: &Placed) -> Self {
+        let print = placed.print.clone();
+        Self { voxel_size: Some(placed.voxel_size), origin: Some(placed.origin), print, ..Self::default() }
     }
 
     /// The one at `path`; where there is none, that of a texture that tiles nowhere and has no labels.

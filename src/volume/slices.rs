@@ -19,7 +19,7 @@ use super::sidecar::{Sidecar, SidecarError};
 use super::texture::{MAX_SIDE, SolidTexture, VolumeError, checked_voxels};
 use crate::files;
 
-const SIDECAR: &str = "volume.json";
+pub(super) const SIDECAR: &str = "volume.json";
 const LABELS: &str = "labels.nrrd";
 
 /// A folder whose PNG slices do not make a volume.
@@ -183,28 +183,14 @@ fn digits(text: &[u8]) -> usize {
 /// Writes slices (RGBA or grey) to `folder`, which appears whole or not at all. A folder that is there is replaced if it
 /// holds nothing but a volume's slices.
 pub(super) fn write(folder: &Path, block: &Block<'_>) -> io::Result<()> {
-    let there = match fs::symlink_metadata(folder) {
-        Ok(about) if about.is_dir() => {
-            only_slices(folder)?;
-            true
-        }
-        Ok(_) => {
-            return Err(io::Error::new(io::ErrorKind::AlreadyExists, "a file, not a folder, has that name"));
-        }
-        Err(e) if e.kind() == io::ErrorKind::NotFound => false,
-        Err(e) => return Err(e),
-    };
-    let parent = match folder.parent() {
-        Some(p) if !p.as_os_str().is_empty() => p,
-        _ => Path::new("."),
-    };
-    let beside = tempfile::Builder::new().prefix(".lapis-").tempdir_in(parent)?;
+    replaceable(folder)?;
+    let beside = beside(folder)?;
     let fresh = beside.path().join("new");
     fs::create_dir(&fresh)?;
     let ([width, height, _], channels) = (block.size, block.channels);
     let slice = width as usize * height as usize * channels as usize;
     for (k, pixels) in block.data.chunks_exact(slice).enumerate() {
-        fs::write(fresh.join(format!("slice-{k:04}.png")), encode(width, height, channels, pixels)?)?;
+        fs::write(fresh.join(slice_name(k as u64)), encode(width, height, channels, None, pixels)?)?;
     }
     if let Some(labels) = block.labels {
         fs::write(fresh.join(LABELS), nrrd::encode_labels(block.size, labels))?;
@@ -213,11 +199,45 @@ pub(super) fn write(folder: &Path, block: &Block<'_>) -> io::Result<()> {
         let sidecar = Sidecar::new(tiles, block.labels.map(|_| LABELS.to_owned()));
         fs::write(fresh.join(SIDECAR), sidecar.to_bytes())?;
     }
+    replace(folder, &fresh)
+}
+
+/// The name of slice `k`.
+pub(super) fn slice_name(k: u64) -> String {
+    format!("slice-{k:04}.png")
+}
+
+/// A folder for the time being, in the folder that `path` lies in.
+fn beside(path: &Path) -> io::Result<tempfile::TempDir> {
+    let parent = match path.parent() {
+        Some(p) if !p.as_os_str().is_empty() => p,
+        _ => Path::new("."),
+    };
+    tempfile::Builder::new().prefix(".lapis-").tempdir_in(parent)
+}
+
+/// Whether a folder of slices stands at `folder` that may be replaced.
+///
+/// # Errors
+/// Something else stands there.
+pub(super) fn replaceable(folder: &Path) -> io::Result<bool> {
+    match fs::symlink_metadata(folder) {
+        Ok(about) if about.is_dir() => only_slices(folder).map(|()| true),
+        Ok(_) => Err(io::Error::new(io::ErrorKind::AlreadyExists, "a file, not a folder, has that name")),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(false),
+        Err(e) => Err(e),
+    }
+}
+
+/// Puts the folder `fresh`, which lies on the same disk, in the place of `folder`, as far as that is [`replaceable`].
+pub(super) fn replace(folder: &Path, fresh: &Path) -> io::Result<()> {
+    let there = replaceable(folder)?;
+    let beside = beside(folder)?;
     let old = beside.path().join("old");
     if there {
         fs::rename(folder, &old)?;
     }
-    let renamed = fs::rename(&fresh, folder);
+    let renamed = fs::rename(fresh, folder);
     if renamed.is_err() && there && fs::rename(&old, folder).is_err() {
         // What was there stays in the folder beside rather than be deleted with it.
         let _ = beside.keep();
@@ -240,9 +260,21 @@ fn only_slices(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-fn encode(width: u32, height: u32, channels: u8, pixels: &[u8]) -> io::Result<Vec<u8>> {
+/// A slice as PNG; `metre` is how many of its pixels a metre has along x and y, where it is to be printed.
+pub(super) fn encode(
+    width: u32,
+    height: u32,
+    channels: u8,
+    metre: Option<[u32; 2]>,
+    pixels: &[u8],
+) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_pixel_dims(metre.map(|[xppu, yppu]| png::PixelDimensions {
+        xppu,
+        yppu,
+        unit: png::Unit::Meter,
+    }));
     encoder.set_color(if channels == 1 { png::ColorType::Grayscale } else { png::ColorType::Rgba });
     encoder.set_depth(png::BitDepth::Eight);
     let mut writer = encoder.write_header().map_err(io::Error::other)?;

@@ -21,7 +21,9 @@ use self::header::{Header, LABELS, MAX_HEADER, TILES, data_file_name};
 pub(super) use self::labels::{LabelFile, encode_labels};
 use super::block::{Block, rgba};
 use super::labels::{LabelsError, read as labels_beside};
+use super::placed::Placed;
 use super::texture::{SolidTexture, VolumeError, checked_voxels};
+use crate::colour::Colour;
 
 /// Bytes that are not an NRRD volume of 8-bit voxels.
 #[derive(Debug, thiserror::Error)]
@@ -170,6 +172,26 @@ pub(super) fn encode(block: &Block<'_>, labels: Option<&str>) -> Vec<u8> {
     }
     header.push('\n');
     packed(header, [block.data])
+}
+
+/// The header of a volume that lies somewhere in space and whose voxels follow as they are. Space has the axes of the mesh,
+/// whatever they mean; the origin is the centre of the first voxel.
+pub(super) fn placed_header(placed: &Placed, palette: &[Colour]) -> String {
+    let ([nx, ny, nz], [dx, dy, dz], [x, y, z]) = (placed.size, placed.voxel_size, placed.origin);
+    let mut header = format!(
+        "NRRD0004\ntype: uint8\ndimension: 4\nspace dimension: 3\nsizes: 4 {nx} {ny} {nz}\n\
+         space directions: none ({dx:?},0,0) (0,{dy:?},0) (0,0,{dz:?})\ncenterings: none cell cell cell\n\
+         kinds: RGBA-color space space space\nspace origin: ({x:?},{y:?},{z:?})\nencoding: raw\n{TILES}:=\n"
+    );
+    if let Some(print) = &placed.print {
+        header += &format!("lapis_unit_mm:={:?}\n", print.unit_mm);
+    }
+    if !palette.is_empty() {
+        let palette: Vec<String> = palette.iter().map(Colour::to_string).collect();
+        header += &format!("lapis_palette:={}\n", palette.join(" "));
+    }
+    header.push('\n');
+    header
 }
 
 /// A header, and after it the gzip data.
