@@ -276,10 +276,10 @@ mod tests {
 
     #[test]
     fn seeds_lie_along_a_layer_apart_from_each_other() {
-        let scattered = |seed, places| {
+        let scattered = |chance, places| {
             let pasting =
                 Pasting { stamp: Stamp::new(&seed(), 0).unwrap(), places, params: PasteParams::scaled(0.1) };
-            paste(deep(), &[pasting], seed, &EXEC()).unwrap()
+            paste(deep(), &[pasting], chance, &EXEC()).unwrap()
         };
         let places = || Places::Scattered(scatter());
         let (solid, report) = scattered(3, places());
