@@ -12,13 +12,14 @@
 mod contact;
 mod march;
 mod shapes;
+#[path = "../sheets.rs"]
+mod sheets;
 mod sources;
 mod table;
 mod tube;
 
 use std::error::Error;
 use std::fs;
-use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
@@ -33,6 +34,7 @@ use lapis::particles::{
 use lapis::photo::{self, Photograph};
 use lapis::synthesis::{Axis, Exemplar, Exemplars, Size, SynthesisParams, synthesise};
 use lapis::volume::{self, SolidTexture};
+use sheets::Arguments;
 use sources::Source;
 
 /// The width of a sheet, and the side of a cube's picture, in pixels.
@@ -76,46 +78,15 @@ impl Progress for Stages {
     }
 }
 
-struct Arguments {
-    folder: PathBuf,
-    out: PathBuf,
-    size: u32,
-    names: Vec<String>,
-}
-
-fn arguments() -> Option<Arguments> {
-    let mut rest = std::env::args().skip(1);
-    let mut found =
-        Arguments { folder: rest.next()?.into(), out: rest.next()?.into(), size: 128, names: Vec::new() };
-    while let Some(argument) = rest.next() {
-        if argument == "--size" {
-            found.size = rest.next()?.parse().ok()?;
-        } else {
-            found.names.push(argument);
-        }
-    }
-    Some(found)
-}
-
 fn main() -> ExitCode {
-    let Some(arguments) = arguments() else {
-        eprintln!("usage: particles FOLDER OUT [--size N] [NAME…]");
-        return ExitCode::from(2);
-    };
-    match make(&arguments) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(e) => {
-            eprintln!("{e}");
-            ExitCode::FAILURE
-        }
-    }
+    sheets::program("particles", make)
 }
 
 fn make(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    let Arguments { folder, out, size, names } = arguments;
+    let Arguments { folder, out, size, .. } = arguments;
     fs::create_dir_all(out)?;
     let mut made = Vec::new();
-    for source in sources::all().iter().filter(|s| names.is_empty() || names.iter().any(|n| n == s.name)) {
+    for source in sources::all().iter().filter(|s| arguments.wants(s.name)) {
         let photo = photo::read(&folder.join(source.file))?;
         let start = Instant::now();
         let mask = make_mask(&photo, &source.mask, &Exec::default())?;

@@ -11,11 +11,13 @@ mod contact;
 #[path = "../gallery/cube.rs"]
 mod cube;
 mod end_grain;
+#[path = "../sheets.rs"]
+mod sheets;
 mod table;
 
 use std::error::Error;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -30,6 +32,7 @@ use lapis::synthesis::{
     Axis, Exemplar, Exemplars, Size, Synthesis, SynthesisParams, SynthesisReport, synthesise,
 };
 use lapis::volume::{self, SolidTexture};
+use sheets::Arguments;
 
 /// A photograph, and which slices it is for.
 struct Source {
@@ -95,52 +98,20 @@ pub(crate) struct Made {
     pub(crate) seconds: f64,
 }
 
-struct Arguments {
-    folder: PathBuf,
-    out: PathBuf,
-    size: u32,
-    names: Vec<String>,
-}
-
-fn arguments() -> Option<Arguments> {
-    let mut rest = std::env::args().skip(1);
-    let mut found =
-        Arguments { folder: rest.next()?.into(), out: rest.next()?.into(), size: 128, names: Vec::new() };
-    while let Some(argument) = rest.next() {
-        if argument == "--size" {
-            found.size = rest.next()?.parse().ok()?;
-        } else {
-            found.names.push(argument);
-        }
-    }
-    Some(found)
-}
-
 fn main() -> ExitCode {
-    let Some(arguments) = arguments() else {
-        eprintln!("usage: textures FOLDER OUT [--size N] [NAME…]");
-        return ExitCode::from(2);
-    };
-    match make(&arguments) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(e) => {
-            eprintln!("{e}");
-            ExitCode::FAILURE
-        }
-    }
+    sheets::program("textures", make)
 }
 
 fn make(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
-    let Arguments { folder, out, size, names } = arguments;
+    let Arguments { folder, out, size, .. } = arguments;
     fs::create_dir_all(out)?;
     let params = |source: &Source| SynthesisParams {
         size: Size([*size; 3]),
         varying: source.varying.then_some(Axis::Y),
         ..SynthesisParams::default()
     };
-    let wanted = |name: &str| names.is_empty() || names.iter().any(|n| n == name);
     let mut made = Vec::new();
-    for source in SOURCES.iter().filter(|s| wanted(s.name)) {
+    for source in SOURCES.iter().filter(|s| arguments.wants(s.name)) {
         let mut photo = photo::read(&folder.join(source.file))?;
         let mut end = None;
         if let Some(rim) = source.end {
@@ -154,7 +125,7 @@ fn make(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         made.push(one);
     }
     let mut ablated = Vec::new();
-    for source in SOURCES.iter().filter(|s| s.name == ABLATED && wanted("ablations")) {
+    for source in SOURCES.iter().filter(|s| s.name == ABLATED && arguments.wants("ablations")) {
         let photo = photo::read(&folder.join(source.file))?;
         let all = [
             ("both histograms", true, true),
