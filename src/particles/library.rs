@@ -15,7 +15,7 @@ const STEPS: usize = 24;
 #[derive(Debug, Clone)]
 pub struct Library {
     stock: Stock,
-    /// For each particle and point of its mesh the pixel that shows it.
+    /// What they are made of, and at working size the photographs that their colours come from.
     views: [Option<View>; 3],
     photos: Vec<Photograph>,
 }

@@ -65,7 +65,7 @@ impl Space {
         ]
     }
 
-    /// Whether all voxels of a stencil are free. The stencil's extreme voxels come first: most that do not fit are seen there.
+    /// Whether all voxels of a stencil are free.
     pub(super) fn is_free(&self, from: [i32; 3], stencil: &[[i16; 3]]) -> bool {
         let free = |s: &[i16; 3]| self.labels[self.at(from, *s)] == FREE;
         // A sparse look first.
