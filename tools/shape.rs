@@ -10,6 +10,11 @@ use lapis::mesh::{self, TriMesh};
 /// Writes `meshes/NAME.obj`, in thousandths of its unit, and says what it is like; fails where it does not
 /// enclose a solid.
 pub(crate) fn program(name: &str, mesh: TriMesh) -> ExitCode {
+    in_groups(name, mesh, &[])
+}
+
+/// The same with groups of triangles: the name of each, and how many of the triangles it takes, in their order.
+pub(crate) fn in_groups(name: &str, mesh: TriMesh, groups: &[(&str, usize)]) -> ExitCode {
     let TriMesh { vertices, triangles } = mesh;
     let vertices = vertices.iter().map(|v| (v * 1000.0).round() / 1000.0).collect();
     let mesh = TriMesh { vertices, triangles };
@@ -25,12 +30,32 @@ pub(crate) fn program(name: &str, mesh: TriMesh) -> ExitCode {
         }
     }
     let target = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("meshes/{name}.obj"));
-    if let Err(e) = files::write_whole(&target, &mesh::write_obj(&mesh)) {
+    if let Err(e) = files::write_whole(&target, &grouped(&mesh::write_obj(&mesh), groups)) {
         eprintln!("cannot write {}: {e}", target.display());
         return ExitCode::FAILURE;
     }
     eprintln!("{}", report(&mesh));
     ExitCode::SUCCESS
+}
+
+/// The OBJ file with a line `g NAME` before each group's first face.
+fn grouped(obj: &[u8], groups: &[(&str, usize)]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(obj.len() + 16 * groups.len());
+    let mut groups = groups.iter();
+    let mut left = 0;
+    for line in obj.split_inclusive(|&b| b == b'\n') {
+        if line.starts_with(b"f ") {
+            if left == 0
+                && let Some((name, count)) = groups.next()
+            {
+                bytes.extend_from_slice(format!("g {name}\n").as_bytes());
+                left = *count;
+            }
+            left = left.saturating_sub(1);
+        }
+        bytes.extend_from_slice(line);
+    }
+    bytes
 }
 
 fn report(mesh: &TriMesh) -> String {
