@@ -11,14 +11,16 @@ use serde::{Deserialize, Serialize};
 
 use super::look::LookError;
 use super::look_file;
+use super::parts::SolidPart;
 use super::solid::{LappedSolid, Patch};
 use crate::files;
 use crate::mesh::{BoundaryFace, FaceOrigin, NONE, TetMesh, TopologyError};
 use crate::volume::{AlphaMask, SolidTexture, VolumeError};
 
 /// The version of the format that this program writes.
-pub const FORMAT_VERSION: u32 = 3;
-/// The versions that it reads: in version 1 a model has no look, before version 3 no particle labels.
+pub const FORMAT_VERSION: u32 = 4;
+/// The versions that it reads: in version 1 a model has no look, before version 3 no particle labels, before
+/// version 4 neither displacements nor several parts.
 const READ_VERSIONS: std::ops::RangeInclusive<u64> = 1..=FORMAT_VERSION as u64;
 /// The one metadata key.
 pub const METADATA_KEY: &str = "lapis";
@@ -103,6 +105,8 @@ struct Metadata {
     /// What there is of the look that the outside keeps.
     #[serde(default)]
     look: Option<look_file::About>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    parts: Vec<SolidPart>,
     settings: serde_json::Value,
 }
 
@@ -175,6 +179,7 @@ impl LappedSolid {
             exemplar_height: heights(&self.exemplars),
             masks: self.masks.len(),
             look: self.look.as_ref().map(|look| look_file::About::of(look)),
+            parts: self.parts.clone(),
             settings: self.settings.clone(),
         };
         // One key only: the container writes several in random order.
@@ -329,6 +334,7 @@ impl LappedSolid {
             exemplars,
             masks,
             look,
+            parts: metadata.parts,
             tet_origin,
             cuts: metadata.cuts,
             settings: metadata.settings,
@@ -379,6 +385,14 @@ impl LappedSolid {
             if patch.mask as usize >= self.masks.len() {
                 return Err(value("patch_mask", i, patch.mask, "there is no such mask"));
             }
+        }
+        let rises = |w: &[SolidPart]| {
+            let (tets, inputs) = (w[0].first_tet < w[1].first_tet, w[0].first_input + w[0].outside);
+            tets && w[0].name != w[1].name && inputs <= w[1].first_input
+        };
+        let begins = self.parts.first().is_none_or(|p| p.first_tet == 0 && p.first_input == 0);
+        if !begins || !self.parts.windows(2).all(rises) {
+            return Err(ModelFileError::Metadata("the parts are not in the order of what is theirs".into()));
         }
         if let Some(look) = &self.look {
             let count = look.surface().triangles.len();

@@ -4,7 +4,7 @@ use manifold_rust::manifold::Manifold;
 use manifold_rust::types::{BooleanEngine, Error, MeshGL64, OpType};
 
 use super::clean::{CleanError, Provenance, clean};
-use super::{TriMesh, box_of, boxes_touch, closest_on_triangle, index};
+use super::{TriMesh, boxes_touch, closest_on_triangle, index};
 use crate::exec::{Cancelled, Exec};
 
 /// A surface after the space of others was taken out of it.
@@ -26,7 +26,9 @@ pub enum CarveError {
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
     /// A surface that bounds no solid, by its number: 0 is the one that is carved.
-    #[error("surface {0} is not closed, or crosses itself, so that nobody can say what is inside it; repair it first")]
+    #[error(
+        "surface {0} is not closed, or crosses itself, so that nobody can say what is inside it; repair it first"
+    )]
     NoSolid(usize),
     /// The others leave nothing.
     #[error("nothing is left of it: the others fill it wholly")]
@@ -120,7 +122,11 @@ fn sources(made: &MeshGL64) -> Vec<(usize, u32)> {
 fn triangles(made: &MeshGL64) -> TriMesh {
     let stride = made.num_prop as usize;
     TriMesh {
-        vertices: made.vert_properties.chunks_exact(stride).map(|p| glam::DVec3::from_slice(&p[..3])).collect(),
+        vertices: made
+            .vert_properties
+            .chunks_exact(stride)
+            .map(|p| glam::DVec3::from_slice(&p[..3]))
+            .collect(),
         triangles: made.tri_verts.chunks_exact(3).map(|t| [0, 1, 2].map(|k| t[k] as u32)).collect(),
     }
 }
@@ -133,7 +139,9 @@ mod tests {
 
     /// A box with its corners at `low` and `high`.
     fn cuboid(low: DVec3, high: DVec3) -> TriMesh {
-        let at = |i: usize| DVec3::from_array(std::array::from_fn(|n| if i >> n & 1 == 1 { high[n] } else { low[n] }));
+        let at = |i: usize| {
+            DVec3::from_array(std::array::from_fn(|n| if i >> n & 1 == 1 { high[n] } else { low[n] }))
+        };
         let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
         TriMesh {
             vertices: (0..8).map(at).collect(),

@@ -251,6 +251,13 @@ impl Wear {
         self
     }
 
+    /// The first triangle that is a wall to another part; those after it are too.
+    #[must_use]
+    pub fn first_wall(&self) -> Option<u32> {
+        let walls = self.regions.iter().filter(|r| r.kind == RegionKind::Part);
+        walls.filter_map(|r| r.triangles.first()).min().copied()
+    }
+
     /// How many triangles at the end are walls to other parts.
     #[must_use]
     pub fn walls(&self) -> usize {
