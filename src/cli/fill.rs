@@ -54,6 +54,9 @@ pub(crate) struct Args {
     fill: FillParams,
     #[command(flatten)]
     depth: DepthParams,
+    /// How far the texture's displacement stands out, in units of texture space [default: as its file says]
+    #[arg(long, value_name = "HEIGHT", allow_hyphen_values = true)]
+    height: Option<f32>,
     /// The filled model
     #[arg(long, short, value_name = "MODEL.lapis")]
     output: PathBuf,
@@ -74,11 +77,13 @@ impl Args {
             params: self.depth,
         });
         Part {
+            name: String::new(),
             mesh: self.mesh,
             tets: self.tets,
             refine_singular: self.refine_singular,
             keep_look: self.keep_look,
             volume: self.texture,
+            height: self.height,
             kind: self.kind,
             depth,
             direction: self.direction.map(DirectionInput::Constant),
@@ -104,6 +109,9 @@ pub(crate) fn main(args: Args) -> Result<(), Failure> {
         if let Some((key, value, range)) = part.fill.fault() {
             let option = key.replace('_', "-");
             return Err(Failure::usage(format!("--{option} {value}: it must be {range}")));
+        }
+        if part.height.is_some_and(|h| !h.is_finite()) {
+            return Err(Failure::usage("--height: it must be a finite number"));
         }
         outputs::ending(&output, "a model", "lapis")?;
         let output = OutputFile::check(&output, shared.force)?;

@@ -1,5 +1,6 @@
 //! `lapis info`
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
@@ -7,7 +8,7 @@ use lapis::colour::encode;
 use lapis::files::read_whole;
 use lapis::lap::{LappedSolid, Seen};
 use lapis::mesh::{FaceOrigin, TetLocator, TetMesh, TriMesh, Wear, clean, read_tets};
-use lapis::project::{Project, Report, is_tet_file};
+use lapis::project::{Part, Project, Report, is_tet_file};
 use lapis::view::{Camera, Drawing, StrokeFile, is_svg, read_camera};
 use lapis::volume::SolidTexture;
 use serde_json::{Value, json};
@@ -241,6 +242,12 @@ fn lapped_solid(report: &mut Report, solid: &LappedSolid, at: &[DVec3]) {
     report.count("cut_faces", cut_faces);
     report.count("cuts", solid.cuts as usize);
     report.count("patches", solid.patches.len());
+    if !solid.parts.is_empty() {
+        let here: BTreeSet<usize> = (0..solid.mesh.tets.len()).map(|t| solid.part_of(t)).collect();
+        let names: Vec<&str> = here.into_iter().map(|p| solid.parts[p].name.as_str()).collect();
+        report.count("parts", names.len());
+        report.measure("parts", json!(names));
+    }
     report.count("exemplars", solid.exemplars.len());
     report.count("masks", solid.masks.len());
     // Each pasted copy has particles of its own: these are those of the exemplars.
@@ -318,9 +325,22 @@ fn particle(seen: &Seen) -> String {
 fn project(report: &mut Report, project: &Project) {
     report.measure("kind", "project");
     report.measure("name", project.name.as_str());
-    report.measure("type", project.part.kind.name());
-    report.measure("mesh", project.part.mesh.display().to_string());
-    report.measure("texture", project.part.volume.display().to_string());
+    let part = |part: &Part| {
+        json!({
+            "type": part.kind.name(),
+            "mesh": part.mesh.display().to_string(),
+            "texture": part.volume.display().to_string(),
+        })
+    };
+    if let [one] = &project.parts[..] {
+        for (name, value) in part(one).as_object().into_iter().flatten() {
+            report.measure(name, value.clone());
+        }
+    } else {
+        report.count("parts", project.parts.len());
+        let all: serde_json::Map<_, _> = project.parts.iter().map(|p| (p.name.clone(), part(p))).collect();
+        report.measure("parts", all);
+    }
     report.measure("seed", project.seed);
     report.count("cuts", project.cuts.len());
     report.count("pictures", project.pictures.len());

@@ -11,7 +11,7 @@ use lapis::particles::{
 use lapis::photo::Photograph;
 use lapis::project::{OutputFile, Report};
 use lapis::render::Picture;
-use lapis::volume::{self, labels_path};
+use lapis::volume::{self, Beside};
 
 use super::failure::Failure;
 use super::options::{Session, Shared};
@@ -110,7 +110,7 @@ fn check_names(args: &Args) -> Result<(), Failure> {
     let mut written = Vec::new();
     if let Some(path) = &args.output {
         outputs::ending(path, "the volume", "nrrd")?;
-        written.extend([path.clone(), labels_path(path)]);
+        written.extend([path.clone(), Beside::Labels.path(path)]);
         if !args.height.is_empty() {
             written.push(with_suffix(path, "-height"));
         }
@@ -161,7 +161,7 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
             None => Vec::new(),
         };
         let output = args.output.clone().map(check).transpose()?;
-        let labels = args.output.as_deref().map(labels_path).map(check).transpose()?;
+        let labels = args.output.as_deref().map(|path| Beside::Labels.path(path)).map(check).transpose()?;
         let height = match &args.output {
             Some(path) if !args.height.is_empty() => Some(check(with_suffix(path, "-height"))?),
             _ => None,

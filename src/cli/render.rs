@@ -8,8 +8,8 @@ use glam::DVec3;
 use lapis::lap::{LappedSolid, Look, bare};
 use lapis::mesh::{MESH_EXTENSIONS, TetParams};
 use lapis::project::{
-    MadePart, Model, Models, OutputFile, PartMesh, Project, Report, apart, fill_part, is_tet_file,
-    painted_part, tet_mesh,
+    MadePart, Model, Models, OutputFile, PartMesh, Project, Report, apart, fill_parts, is_tet_file, of_parts,
+    painted_parts, tet_mesh,
 };
 use lapis::render::{PictureSize, RenderParams, Show, frame_all, frame_all_from, render};
 use lapis::view::read_camera;
@@ -32,6 +32,9 @@ pub(crate) struct Args {
     /// Of a project: a piece CUT/N, or all pieces of CUT, instead of the whole; may be given again
     #[arg(long, value_name = "CUT/N")]
     piece: Vec<String>,
+    /// Of models of several parts, a part that is drawn, the others not; may be given again
+    #[arg(long, value_name = "NAME")]
+    part: Vec<String>,
     /// Width and height in pixels [default: 1024x1024, or 1024 high with the camera's aspect]
     #[arg(long, value_name = "WxH")]
     size: Option<PictureSize>,
@@ -72,7 +75,14 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
 
         let Subject { solids, mut report } = subject(args, &params, session)?;
         let start = Instant::now();
-        let placed = apart(&solids.iter().collect::<Vec<_>>(), args.apart);
+        let solids = of_parts(&solids.iter().collect::<Vec<_>>(), &args.part);
+        if solids.is_empty() {
+            let names = args.part.join(", ");
+            return Err(Failure::usage(format!(
+                "--part {names}: no model has such a part (lapis info lists them)"
+            )));
+        }
+        let placed = apart(&solids.iter().map(|s| &**s).collect::<Vec<_>>(), args.apart);
         let aspect = f64::from(params.width) / f64::from(params.height);
         let camera = camera.unwrap_or_else(|| match args.from {
             Some(from) => frame_all_from(&placed, aspect, from),
@@ -131,14 +141,16 @@ fn project(path: &Path, args: &Args, params: &RenderParams, session: &Session) -
     let exec = session.exec();
     let project = Project::read(path)?;
     let what = "cannot draw the picture";
-    params.check(project.part.kind).map_err(Failure::because(what))?;
+    let fits =
+        project.parts.iter().map(|p| params.check(p.kind)).reduce(|a, b| if a.is_ok() { a } else { b });
+    fits.unwrap_or(Ok(())).map_err(Failure::because(what))?;
     let pieces: Vec<Model> =
         args.piece.iter().map(|word| project.model("--piece", word)).collect::<Result<_, _>>()?;
     let seed = args.shared.seed.unwrap_or(project.seed);
     let MadePart { solid: whole, mut report } = if params.show.needs_fill() {
-        fill_part(&project.part, seed, &Session::mesher(), exec)?
+        fill_parts(&project.parts, seed, &Session::mesher(), exec)?
     } else {
-        painted_part(&project.part, &Session::mesher(), exec)?
+        painted_parts(&project.parts, &Session::mesher(), exec)?
     };
     let solids = if pieces.is_empty() {
         vec![whole]
@@ -160,7 +172,7 @@ fn mesh(path: &Path, params: &RenderParams, session: &Session) -> Result<Subject
         )));
     }
     let tets = TetParams { keep_surface: true, ..TetParams::default() };
-    let (PartMesh { mesh, surface, wear }, report) =
+    let (PartMesh { mesh, surface, wear, .. }, report) =
         tet_mesh(path, &tets, &Session::mesher(), session.exec())?;
     // A mesh that wears nothing is drawn plain.
     let look = Look::new(surface, &wear).ok().map(Arc::new);

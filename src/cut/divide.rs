@@ -9,7 +9,7 @@ use super::reach::Reach;
 use super::{CutError, Sheet};
 use crate::exec::Exec;
 use crate::mesh::subdivide::{Part, Subdivision};
-use crate::mesh::{NONE, TET_FACES, TetMesh, index};
+use crate::mesh::{BoundaryFace, NONE, TET_FACES, TetMesh, index};
 
 /// A mesh divided by a sheet, as cells: those numbered below the number of its tetrahedra are the whole
 /// tetrahedra out of reach, the others the parts of those in reach.
@@ -62,6 +62,18 @@ impl Divided {
     /// The tetrahedra that the parts are parts of.
     pub(super) fn reached(&self) -> &[u32] {
         &self.reach.tets
+    }
+
+    /// The cells that have a part of a boundary face.
+    pub(super) fn cells_at(&self, face: &BoundaryFace) -> impl Iterator<Item = u32> {
+        let tets = index(self.whole.len());
+        let (from, to) = match self.reach.place[face.tet as usize] {
+            NONE => (face.tet, face.tet + 1),
+            n => (tets + self.first[n as usize], tets + self.first[n as usize + 1]),
+        };
+        let face = face.face;
+        (from..to)
+            .filter(move |&cell| self.part(cell).is_none_or(|i| self.parts.parts[i].faces.contains(&face)))
     }
 
     /// Which side of the sheet a cell lies on.

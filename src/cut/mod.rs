@@ -12,7 +12,8 @@
 //!    bisected first, until marching them follows the curve.
 //! 3. `march`: every crossed edge is split once, at the sheet; what would leave a sliver is snapped to the
 //!    vertex. Each tetrahedron then lies on one side.
-//! 4. `divide`: what lies beside each part (`beside`), and what hangs together on one side (`connect`).
+//! 4. `divide`: what lies beside each part (`beside`), and what hangs together on one side (`connect`; for models of
+//!    several parts, `glue`).
 //! 5. `pieces`: each connected part of a side becomes a lapped solid of its own.
 //!
 //! Less than a whole cut are `section`, the surface alone, and `clip`, which stops after 3. Both 2 and 3 split edges in one order that holds for the whole mesh (`mesh::subdivide`), so that the
@@ -23,7 +24,9 @@ mod clip;
 mod connect;
 mod curve;
 mod divide;
+mod glue;
 mod march;
+mod only;
 mod pieces;
 mod reach;
 mod refine;
@@ -71,11 +74,16 @@ pub struct CutParams {
     /// in are made smaller first. A plane needs none of this.
     #[arg(long = "cut-tolerance", value_name = "FRACTION", default_value_t = Self::default().tolerance)]
     pub tolerance: f64,
+    /// Cuts only this part of a model that has several; may be given again. The others stay whole, as pieces of their
+    /// own [default: all parts]
+    #[arg(long = "part", value_name = "NAME")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<String>,
 }
 
 impl Default for CutParams {
     fn default() -> Self {
-        Self { tolerance: 0.001 }
+        Self { tolerance: 0.001, parts: Vec::new() }
     }
 }
 
@@ -130,6 +138,14 @@ pub enum CutError {
     /// There is nothing to cut.
     #[error("the model has no tetrahedra")]
     EmptyModel,
+    /// A part that the model does not have, or has no piece of.
+    #[error("{}", no_part(name, known))]
+    NoPart {
+        /// The part asked for.
+        name: String,
+        /// Those that there are.
+        known: Vec<String>,
+    },
     /// A part of the model has no place on the screen.
     #[error(
         "{hidden} of the model's {vertices} vertices lie behind the camera that the stroke was drawn for; \
@@ -203,6 +219,15 @@ pub enum StrokeEnd {
     End,
 }
 
+/// What to say of a part that is not there.
+fn no_part(name: &str, known: &[String]) -> String {
+    if known.is_empty() {
+        return format!("the model has no part '{name}': it is of one part; leave the part out");
+    }
+    let known: Vec<String> = known.iter().map(|k| format!("'{k}'")).collect();
+    format!("the model has no part '{name}'; it has {}", known.join(", "))
+}
+
 impl std::fmt::Display for StrokeEnd {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
@@ -218,8 +243,9 @@ impl std::fmt::Display for StrokeEnd {
 /// to the bit. Colours inside do not change, since texture coordinates are linear in a tetrahedron. A piece
 /// keeps the numbers of patches, exemplars and masks, also of those that it has no part of any more;
 /// `tet_origin` still names tetrahedra of the uncut model; boundary faces keep their origin, and new ones
-/// are `FaceOrigin::Cut` with the number of this cut. A part of the model that the cut does not touch, but
-/// that hangs together with nothing else on its side, is a piece too.
+/// are `FaceOrigin::Cut` with the number of this cut. What the cut does not touch, but hangs together with nothing
+/// else on its side, is a piece too. Of a model of several parts, those that lie against each other on one side hang
+/// together.
 ///
 /// The time is linear in the model, plus what the stroke's neighbourhood needs.
 ///
@@ -231,7 +257,10 @@ pub fn cut(
     params: &CutParams,
     exec: &Exec,
 ) -> Result<(Vec<LappedSolid>, CutReport), CutError> {
-    exec.install(|| cut_here(solid, surface, params, exec))
+    exec.install(|| match params.parts[..] {
+        [] => cut_here(solid, surface, params, exec),
+        _ => only::cut_parts(solid, surface, params, exec),
+    })
 }
 
 fn cut_here(
@@ -251,12 +280,13 @@ fn cut_here(
     report.unresolved = marched.unresolved;
     report.vertices_refined = marched.refined;
     stage.at(2);
-    let divided = divide::divide(marched, &sheet, params.tolerance, &solid.mesh, exec)?;
+    let mut divided = divide::divide(marched, &sheet, params.tolerance, &solid.mesh, exec)?;
     report.vertices_cut = divided.parts.vertices.len() - solid.mesh.vertices.len() - report.vertices_refined;
     report.vertices_snapped = divided.snapped;
     if let Some(positive) = divided.one_side(&solid.mesh) {
         return Err(sheet.missed(solid, positive));
     }
+    glue::glue(&mut divided, solid);
     stage.at(3);
     let pieces = pieces::pieces(solid, &divided, &mut report, exec)?;
     stage.at(4);

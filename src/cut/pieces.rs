@@ -34,17 +34,22 @@ pub(super) fn pieces(
     let (outlines, place) = outlines(solid, divided);
     let build = |outline: Outline| {
         exec.check()?;
-        let piece = piece(solid, divided, outline, &place, &new)?;
-        Ok((enclosed(&piece.mesh), piece))
+        piece(solid, divided, outline, &place, &new)
     };
+    let pieces = by_volume(outlines.into_par_iter().map(build).collect::<Result<_, CutError>>()?);
+    count(solid, divided, &pieces, report);
+    Ok(pieces.into_iter().map(|(_, piece)| piece).collect())
+}
+
+/// Pieces and their volumes, the largest first.
+pub(super) fn by_volume(pieces: Vec<LappedSolid>) -> Vec<(f64, LappedSolid)> {
     let mut pieces: Vec<(f64, LappedSolid)> =
-        outlines.into_par_iter().map(build).collect::<Result<_, CutError>>()?;
+        pieces.into_par_iter().map(|piece| (enclosed(&piece.mesh), piece)).collect();
     // A stable sort: of volumes that are equal to nine digits of the whole, that with the first tetrahedron comes first,
     // so that rounding does not decide which of two halves it is.
     let whole: f64 = pieces.iter().map(|p| p.0).sum();
     pieces.sort_by_key(|(volume, _)| std::cmp::Reverse((volume / whole * 1e9).round() as i64));
-    count(solid, divided, &pieces, report);
-    Ok(pieces.into_iter().map(|(_, piece)| piece).collect())
+    pieces
 }
 
 fn count(solid: &LappedSolid, divided: &Divided, pieces: &[(f64, LappedSolid)], report: &mut CutReport) {
@@ -165,6 +170,7 @@ fn piece(
         exemplars: solid.exemplars.clone(),
         masks: solid.masks.clone(),
         look: solid.look.clone(),
+        parts: solid.parts.clone(),
         tet_origin: cells.iter().map(|&c| solid.tet_origin[parent(c)]).collect(),
         cuts: solid.cuts + 1,
         settings: solid.settings.clone(),

@@ -136,6 +136,7 @@ pub(super) fn assemble(
         exemplars: vec![texture],
         masks,
         look: None,
+        parts: Vec::new(),
         tet_origin,
         cuts: 0,
         settings: serde_json::Value::Null,

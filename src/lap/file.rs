@@ -11,14 +11,16 @@ use serde::{Deserialize, Serialize};
 
 use super::look::LookError;
 use super::look_file;
+use super::parts::SolidPart;
 use super::solid::{LappedSolid, Patch};
 use crate::files;
 use crate::mesh::{BoundaryFace, FaceOrigin, NONE, TetMesh, TopologyError};
 use crate::volume::{AlphaMask, SolidTexture, VolumeError};
 
 /// The version of the format that this program writes.
-pub const FORMAT_VERSION: u32 = 3;
-/// The versions that it reads: in version 1 a model has no look, before version 3 no particle labels.
+pub const FORMAT_VERSION: u32 = 4;
+/// The versions that it reads: in version 1 a model has no look, before version 3 no particle labels, before
+/// version 4 neither displacements nor several parts.
 const READ_VERSIONS: std::ops::RangeInclusive<u64> = 1..=FORMAT_VERSION as u64;
 /// The one metadata key.
 pub const METADATA_KEY: &str = "lapis";
@@ -95,10 +97,16 @@ struct Metadata {
     cuts: u32,
     /// Of each exemplar, the axes along which it tiles, such as "xz".
     exemplar_tiles: Vec<String>,
+    /// Of each exemplar, how far a displacement of 255 stands out, in units of texture space; empty where none has a
+    /// displacement.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    exemplar_height: Vec<Option<f32>>,
     masks: usize,
     /// What there is of the look that the outside keeps.
     #[serde(default)]
     look: Option<look_file::About>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    parts: Vec<SolidPart>,
     settings: serde_json::Value,
 }
 
@@ -152,6 +160,10 @@ impl LappedSolid {
             if let Some(labels) = texture.labels() {
                 arrays.push((format!("labels_{n}"), Dtype::U32, vec![z, y, x], le_u32(labels)));
             }
+            if let Some(displacement) = texture.displacement() {
+                let values = displacement.values.clone();
+                arrays.push((format!("displacement_{n}"), Dtype::U8, vec![z, y, x], values));
+            }
         }
         for (n, mask) in self.masks.iter().enumerate() {
             let [x, y, z] = mask.size().map(|s| s as usize);
@@ -164,8 +176,10 @@ impl LappedSolid {
             format: FORMAT_VERSION,
             cuts: self.cuts,
             exemplar_tiles: self.exemplars.iter().map(|e| axes(e.tiles())).collect(),
+            exemplar_height: heights(&self.exemplars),
             masks: self.masks.len(),
             look: self.look.as_ref().map(|look| look_file::About::of(look)),
+            parts: self.parts.clone(),
             settings: self.settings.clone(),
         };
         // One key only: the container writes several in random order.
@@ -293,7 +307,10 @@ impl LappedSolid {
             .exemplar_tiles
             .iter()
             .enumerate()
-            .map(|(n, tiles)| exemplar(&arrays, n, tiles).map(Arc::new))
+            .map(|(n, tiles)| {
+                let height = metadata.exemplar_height.get(n).copied().flatten();
+                exemplar(&arrays, n, tiles, height).map(Arc::new)
+            })
             .collect::<Result<_, ModelFileError>>()?;
         let masks = (0..metadata.masks)
             .map(|n| {
@@ -317,6 +334,7 @@ impl LappedSolid {
             exemplars,
             masks,
             look,
+            parts: metadata.parts,
             tet_origin,
             cuts: metadata.cuts,
             settings: metadata.settings,
@@ -368,6 +386,14 @@ impl LappedSolid {
                 return Err(value("patch_mask", i, patch.mask, "there is no such mask"));
             }
         }
+        let rises = |w: &[SolidPart]| {
+            let (tets, inputs) = (w[0].first_tet < w[1].first_tet, w[0].first_input + w[0].outside);
+            tets && w[0].name != w[1].name && inputs <= w[1].first_input
+        };
+        let begins = self.parts.first().is_none_or(|p| p.first_tet == 0 && p.first_input == 0);
+        if !begins || !self.parts.windows(2).all(rises) {
+            return Err(ModelFileError::Metadata("the parts are not in the order of what is theirs".into()));
+        }
         if let Some(look) = &self.look {
             let count = look.surface().triangles.len();
             let strays = |f: &BoundaryFace| matches!(f.origin, FaceOrigin::Input(i) if i as usize >= count);
@@ -404,8 +430,19 @@ fn axes(tiles: [bool; 3]) -> String {
     "xyz".chars().zip(tiles).filter(|(_, tiles)| *tiles).map(|(axis, _)| axis).collect()
 }
 
-/// Exemplar `n`, with the labels of its particles where the file has them.
-fn exemplar(arrays: &Arrays<'_>, n: usize, tiles: &str) -> Result<SolidTexture, ModelFileError> {
+/// How far the displacement of each exemplar stands out; empty where none has one.
+fn heights(exemplars: &[Arc<SolidTexture>]) -> Vec<Option<f32>> {
+    let heights: Vec<_> = exemplars.iter().map(|e| e.displacement().map(|d| d.height)).collect();
+    if heights.iter().all(Option::is_none) { Vec::new() } else { heights }
+}
+
+/// Exemplar `n`, with the labels of its particles and its displacement where the file has them.
+fn exemplar(
+    arrays: &Arrays<'_>,
+    n: usize,
+    tiles: &str,
+    height: Option<f32>,
+) -> Result<SolidTexture, ModelFileError> {
     let name = format!("exemplar_{n}");
     let data = arrays.get(&name, Dtype::U8, &[None, None, None, Some(4)])?;
     let size = volume_size(&name, data.shape())?;
@@ -413,12 +450,15 @@ fn exemplar(arrays: &Arrays<'_>, n: usize, tiles: &str) -> Result<SolidTexture, 
     let tiles = ['x', 'y', 'z'].map(|a| tiles.contains(a));
     let wrong = |source| ModelFileError::Volume { name: name.clone(), source };
     let texture = SolidTexture::new(size, voxels, tiles).map_err(wrong)?;
-    let labels = format!("labels_{n}");
-    if !arrays.has(&labels) {
-        return Ok(texture);
-    }
     let shape = [data.shape()[0], data.shape()[1], data.shape()[2]].map(Some);
-    texture.with_labels(u32s(&arrays.get(&labels, Dtype::U32, &shape)?)).map_err(wrong)
+    let labels = format!("labels_{n}");
+    let texture = match arrays.has(&labels) {
+        true => texture.with_labels(u32s(&arrays.get(&labels, Dtype::U32, &shape)?)).map_err(wrong)?,
+        false => texture,
+    };
+    let Some(height) = height else { return Ok(texture) };
+    let values = arrays.get(&format!("displacement_{n}"), Dtype::U8, &shape)?.data().to_vec();
+    texture.with_displacement(values, height).map_err(wrong)
 }
 
 fn volume_size(name: &str, shape: &[usize]) -> Result<[u32; 3], ModelFileError> {

@@ -6,7 +6,9 @@ use std::fmt;
 use glam::DVec3;
 
 use crate::colour::{LinearRgba, decode};
-use crate::mesh::{BoxTree, NONE, TriMesh, Wear, WornPicture, Wrap, box_of, closest_on_triangle};
+use crate::mesh::{
+    BoxTree, Material, NONE, TriMesh, Wear, WornPicture, Wrap, box_of, closest_on_triangle, index,
+};
 
 /// A point counts as lying on the triangle that its face lies on within this part of that triangle's longest
 /// edge: interpolation in `f32` does not come nearer.
@@ -98,6 +100,38 @@ impl Look {
             (0..surface.triangles.len()).map(|t| box_of(surface.corners(t))).collect();
         let tree = BoxTree::new(&boxes);
         Ok(Self { surface, wear, tree })
+    }
+
+    /// The looks of several surfaces as one, over all their triangles in the same order. Where there is no look, it is
+    /// clear.
+    #[must_use]
+    pub(super) fn join(surfaces: &[(&TriMesh, Option<&Self>)]) -> Self {
+        let any = |has: fn(&Wear) -> bool| surfaces.iter().any(|s| s.1.is_some_and(|look| has(&look.wear)));
+        let (uv, colours) = (any(|w| !w.uv.is_empty()), any(|w| !w.colours.is_empty()));
+        let (mut all, mut wear) = (TriMesh::default(), Wear::default());
+        for (surface, look) in surfaces {
+            let (vertices, count) = (index(all.vertices.len()), surface.triangles.len());
+            all.vertices.extend(&surface.vertices);
+            all.triangles.extend(surface.triangles.iter().map(|t| t.map(|v| v + vertices)));
+            let bare = Wear::default();
+            let own = look.map_or(&bare, |look| &look.wear);
+            let (materials, pictures) = (index(wear.materials.len()), index(wear.pictures.len()));
+            let material = |t: usize| own.material.get(t).copied().filter(|m| *m != NONE);
+            if uv {
+                wear.uv.extend((0..count).map(|t| own.uv.get(t).copied().unwrap_or_default()));
+            }
+            if colours {
+                // A triangle without colours shows its material, one without either nothing.
+                let colour = |t: usize| if material(t).is_some() { [[255; 4]; 3] } else { [[0; 4]; 3] };
+                wear.colours.extend((0..count).map(|t| own.colours.get(t).copied().unwrap_or(colour(t))));
+            }
+            wear.material.extend((0..count).map(|t| material(t).map_or(NONE, |m| m + materials)));
+            let moved = |m: &Material| Material { picture: m.picture.map(|p| p + pictures), ..m.clone() };
+            wear.materials.extend(own.materials.iter().map(moved));
+            wear.pictures.extend_from_slice(&own.pictures);
+        }
+        let boxes: Vec<[DVec3; 2]> = (0..all.triangles.len()).map(|t| box_of(all.corners(t))).collect();
+        Self { tree: BoxTree::new(&boxes), surface: all, wear }
     }
 
     /// The surface.

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::Look;
 use super::kind::TextureType;
+use super::parts::SolidPart;
 use crate::colour::LinearRgba;
 use crate::mesh::TetMesh;
 use crate::volume::{AlphaMask, SolidTexture};
@@ -47,6 +48,8 @@ pub struct LappedSolid {
     /// The mesh's own look, where the outside keeps it. Its surface is the one whose triangles
     /// [`FaceOrigin::Input`](crate::mesh::FaceOrigin::Input) counts.
     pub look: Option<Arc<Look>>,
+    /// Its parts, where it has several; each hangs together only with itself. Empty for a model of one part.
+    pub parts: Vec<SolidPart>,
     /// For each tetrahedron the tetrahedron of the uncut model that it is part of. Length T.
     pub tet_origin: Vec<u32>,
     /// How many cuts the model has been through; cut faces number them from 0.
@@ -79,7 +82,7 @@ impl LappedSolid {
         self.layer_start[t] as usize..self.layer_start[t + 1] as usize
     }
 
-    /// The texture type that it was made for, by its settings; `None` where they do not say.
+    /// The texture type that it was made for, by its settings; `None` where they do not say, and for several parts.
     #[must_use]
     pub fn kind(&self) -> Option<TextureType> {
         self.settings.get("type")?.as_str()?.parse().ok()

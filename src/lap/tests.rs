@@ -248,6 +248,15 @@ fn inputs_are_checked_by_name() {
     ));
 }
 
+/// A small ball, filled; each face of its boundary has its own number.
+pub(super) fn filled_ball() -> LappedSolid {
+    let (mut solid, _) = filled(TextureType::Type1b, 1);
+    for (f, face) in solid.mesh.boundary.iter_mut().enumerate() {
+        face.origin = crate::mesh::FaceOrigin::Input(f as u32);
+    }
+    solid
+}
+
 /// A ball whose boundary face f lies on triangle f of a look with everything in it.
 fn with_look() -> LappedSolid {
     use crate::mesh::{FaceOrigin, Material, NONE, TriMesh, Wear, WornPicture, Wrap};

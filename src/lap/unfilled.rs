@@ -51,6 +51,7 @@ pub fn bare(mesh: TetMesh) -> LappedSolid {
         exemplars: Vec::new(),
         masks: Vec::new(),
         look: None,
+        parts: Vec::new(),
         tet_origin: (0..index(tets)).collect(),
         cuts: 0,
         settings: Value::Null,

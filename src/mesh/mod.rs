@@ -1,6 +1,7 @@
 //! Triangle meshes from files, and the tetrahedra that fill them.
 
 mod boxes;
+mod carve;
 mod cast;
 mod clean;
 mod defects;
@@ -21,7 +22,9 @@ mod tri;
 mod wear;
 mod write;
 
-pub(crate) use boxes::{BoxTree, box_of};
+pub(crate) use boxes::{BoxTree, box_of, boxes_touch};
+pub(crate) use carve::near;
+pub use carve::{CarveError, Carved, carve};
 pub(crate) use cast::Caster;
 pub use clean::{CleanError, CleanReport, Cleaned, Provenance, WELD_TOLERANCE, clean};
 pub use defects::{

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{NONE, Provenance};
+use super::{NONE, Provenance, index};
 use crate::colour::{decode, encode};
 
 /// What a name in a mesh file stands for.
@@ -14,19 +14,22 @@ pub enum RegionKind {
     Group,
     /// A material.
     Material,
+    /// Where another part of the project begins.
+    Part,
 }
 
 impl RegionKind {
     /// All kinds.
-    pub const ALL: [Self; 3] = [Self::Object, Self::Group, Self::Material];
+    pub const ALL: [Self; 4] = [Self::Object, Self::Group, Self::Material, Self::Part];
 
-    /// `object`, `group` or `material`: what stands before the colon in `group:NAME`.
+    /// `object`, `group`, `material` or `part`: what stands before the colon in `group:NAME`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Object => "object",
             Self::Group => "group",
             Self::Material => "material",
+            Self::Part => "part",
         }
     }
 }
@@ -223,6 +226,42 @@ impl Wear {
             materials: self.materials.clone(),
             pictures: self.pictures.clone(),
         }
+    }
+
+    /// What a surface wears to which triangles are added at the end, `own` in number so far: for each name so many more,
+    /// the walls to the part of that name. They wear nothing, and are regions of that name.
+    #[must_use]
+    pub(crate) fn with_walls(mut self, own: usize, walls: &[(&str, usize)]) -> Self {
+        let all = own + walls.iter().map(|w| w.1).sum::<usize>();
+        let mut next = index(own);
+        for &(name, count) in walls {
+            let triangles = (next..next + index(count)).collect();
+            next += index(count);
+            self.regions.push(Region { name: name.to_owned(), kind: RegionKind::Part, triangles });
+        }
+        if !self.uv.is_empty() {
+            self.uv.resize(all, [[0.0; 2]; 3]);
+        }
+        if !self.colours.is_empty() {
+            self.colours.resize(all, [[0; 4]; 3]);
+        }
+        if !self.material.is_empty() {
+            self.material.resize(all, NONE);
+        }
+        self
+    }
+
+    /// The first triangle that is a wall to another part; those after it are too.
+    #[must_use]
+    pub fn first_wall(&self) -> Option<u32> {
+        let walls = self.regions.iter().filter(|r| r.kind == RegionKind::Part);
+        walls.filter_map(|r| r.triangles.first()).min().copied()
+    }
+
+    /// How many triangles at the end are walls to other parts.
+    #[must_use]
+    pub fn walls(&self) -> usize {
+        self.regions.iter().filter(|r| r.kind == RegionKind::Part).map(|r| r.triangles.len()).sum()
     }
 
     /// The regions' names, in words.

@@ -58,7 +58,7 @@ impl Canvas<'_> {
     /// The boundary faces of areas painted one after the other, over a surface painted with `skin`.
     pub(super) fn faces(&self, skin: Option<f64>, areas: &[Area]) -> Result<Vec<PaintedFace>, PaintError> {
         let mesh = self.mesh;
-        let skin = |origin| if matches!(origin, FaceOrigin::Input(_)) { skin } else { None };
+        let skin = |origin| if self.is_skin(origin) { skin } else { None };
         // What is painted so far.
         let mut painted: Vec<Option<f64>> = mesh.boundary.iter().map(|f| skin(f.origin)).collect();
         let mut faces = Vec::new();
@@ -91,6 +91,11 @@ impl Canvas<'_> {
             }
         }
         Ok(faces)
+    }
+
+    /// Whether a face is of the input mesh, and no wall to another part.
+    pub(super) fn is_skin(&self, origin: FaceOrigin) -> bool {
+        matches!(origin, FaceOrigin::Input(t) if self.wear.first_wall().is_none_or(|wall| t < wall))
     }
 
     fn region(&self, name: &str) -> Result<Vec<u32>, PaintProblem> {

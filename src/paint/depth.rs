@@ -9,6 +9,7 @@ use super::place::Place;
 use super::problem::{PaintError, PaintProblem};
 use crate::exec::Exec;
 use crate::field::{self, DepthError, DepthField, DepthParams, depth_field, strokes_that_count};
+use crate::mesh::index;
 
 /// What is painted with depths.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -113,6 +114,15 @@ impl Lines<'_> {
     ) -> Result<(field::DepthPaint, Vec<usize>), PaintError> {
         let mut paint =
             field::DepthPaint { skin: self.paint.skin, faces: faces.to_vec(), strokes: Vec::new() };
+        if canvas.wear.first_wall().is_some() {
+            // Walls to other parts are no skin: what is goes face by face.
+            let skin = canvas.mesh.boundary.iter().enumerate().filter(|(_, f)| canvas.is_skin(f.origin));
+            let painted = paint
+                .skin
+                .take()
+                .map(|depth| skin.map(move |(face, _)| field::PaintedFace { face: index(face), depth }));
+            paint.faces.splice(0..0, painted.into_iter().flatten());
+        }
         let mut of = Vec::new();
         for (i, (stroke, lines)) in self.paint.strokes.iter().zip(&self.found).enumerate() {
             for points in lines {

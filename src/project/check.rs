@@ -5,14 +5,17 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use super::file::{CutEntry, ExportEntry, PasteEntry, PictureEntry, Scales};
-use super::painted::view;
+use super::file::{CutEntry, ExportEntry, PartTable, PasteEntry, PictureEntry, Scales};
+use super::painted::{Tables, view};
+use super::part::Part;
 use super::paste::PasteInput;
 use super::plan::{Along, Cut, Model, Picture};
 use super::problem::ProjectProblem;
 use crate::cut::CutSurface;
-use crate::lap::{FillParams, PasteParams, Places};
-use crate::render::RenderParams;
+use crate::lap::{PasteParams, Places};
+use crate::mesh::TetParams;
+use crate::paint::Ground;
+use crate::render::{RenderError, RenderParams};
 use crate::view::{Stroke, StrokeFile, is_svg};
 
 /// The cuts that are known so far, by name.
@@ -193,11 +196,101 @@ pub(super) fn picture(mut entry: PictureEntry, names: &Names) -> Result<Picture,
     Ok(Picture { show, entry })
 }
 
-/// The settings of single steps that can be checked before any work.
-pub(super) fn settings(fill: &FillParams, export: &ExportEntry) -> Result<(), ProjectProblem> {
-    if let Some((key, value, range)) = fill.fault() {
+/// The parts of a project, each checked by itself.
+pub(super) fn parts(
+    entries: Vec<PartTable>,
+    cuts: &[Cut],
+    tables: &Tables<'_>,
+) -> Result<Vec<Part>, ProjectProblem> {
+    let several = entries.len() > 1;
+    let mut parts: Vec<Part> = Vec::new();
+    for entry in entries {
+        // One part has no use for a name.
+        let name = if several { checked_name("part.name", entry.name.clone())? } else { String::new() };
+        if parts.iter().any(|p| p.name == name) {
+            return Err(ProjectProblem::Twice { kind: "part", name });
+        }
+        let part = || part(name.clone(), entry, cuts, tables);
+        let made = part().map_err(|problem| match name.as_str() {
+            "" => problem,
+            _ => ProjectProblem::OfPart { name: name.clone(), problem: Box::new(problem) },
+        })?;
+        parts.push(made);
+    }
+    Ok(parts)
+}
+
+fn part(name: String, entry: PartTable, cuts: &[Cut], tables: &Tables<'_>) -> Result<Part, ProjectProblem> {
+    let folder = tables.folder;
+    let part = Part {
+        name,
+        mesh: folder.join(entry.mesh.file),
+        tets: TetParams { tets: entry.mesh.tets, keep_surface: entry.mesh.keep_surface },
+        keep_look: entry.mesh.keep_look,
+        refine_singular: entry.mesh.refine_singular,
+        volume: folder.join(entry.texture.volume),
+        height: entry.texture.height,
+        kind: entry.texture.kind,
+        depth: entry.depth.map(|t| tables.depth("depth", t)).transpose()?,
+        direction: entry.direction.map(|t| tables.direction(t)).transpose()?,
+        scale: entry.scale.map(|t| tables.scale(t)).transpose()?,
+        along: entry.along.map(|t| tables.depth("along", t)).transpose()?,
+        across: entry.across.map(|t| tables.depth("across", t)).transpose()?,
+        cuts: cuts.to_vec(),
+        fill: entry.fill,
+        pastes: entry.paste.into_iter().map(|p| paste(p, folder)).collect::<Result<_, _>>()?,
+    };
+    part.check()?;
+    if let Some((key, value, range)) = part.fill.fault() {
         return Err(ProjectProblem::Range { key: format!("fill.{key}"), value, range });
     }
+    if let Some(height) = part.height.filter(|h| !h.is_finite()) {
+        let range = "it must be finite";
+        return Err(ProjectProblem::Range { key: "texture.height".to_owned(), value: height.into(), range });
+    }
+    // A part is painted alone: a camera that frames a cut of all parts is not the one that frames a cut of this.
+    if let Some(cut) = part.grounds().filter_map(Ground::piece).map(|(cut, _)| &cuts[cut]).find(|cut| {
+        !part.name.is_empty() && matches!(&cut.along, Along::Drawn { view, .. } if view.camera.is_none())
+    }) {
+        let choice = "something of a part is painted on a piece of it: give it a `camera`";
+        return Err(ProjectProblem::Choice { key: format!("cut '{}'", cut.name), choice });
+    }
+    Ok(part)
+}
+
+/// Whether all of these are names of parts.
+pub(super) fn known_parts(key: &str, names: &[String], parts: &[Part]) -> Result<(), ProjectProblem> {
+    let unknown = |name: &&String| parts.len() < 2 || parts.iter().all(|p| p.name != **name);
+    let Some(name) = names.iter().find(unknown) else { return Ok(()) };
+    let known: Vec<String> = parts.iter().map(|p| format!("'{}'", p.name)).collect();
+    let known = match parts {
+        [_] => "there is only one part; leave it out".to_owned(),
+        _ => format!("there are {}", known.join(", ")),
+    };
+    Err(ProjectProblem::NoPart { key: key.to_owned(), name: name.clone(), known })
+}
+
+/// Whether a picture can be drawn of the parts that it shows.
+pub(super) fn drawable(entry: &PictureEntry, parts: &[Part]) -> Result<(), ProjectProblem> {
+    let key = |key: &str| format!("picture '{}': {key}", entry.name);
+    known_parts(&key("parts"), &entry.parts, parts)?;
+    let shown = |p: &&Part| entry.parts.is_empty() || entry.parts.contains(&p.name);
+    // One part that has what is to be seen is enough.
+    let mut failed = None;
+    for part in parts.iter().filter(shown) {
+        match entry.render.check(part.kind) {
+            Ok(()) => return Ok(()),
+            Err(source) => failed = failed.or(Some(source)),
+        }
+    }
+    failed.map_or(Ok(()), |source| {
+        let which = if matches!(source, RenderError::LayerOf(_)) { "layer" } else { "show" };
+        Err(ProjectProblem::Render { key: key(&format!("render.{which}")), source })
+    })
+}
+
+/// The settings of single steps that can be checked before any work.
+pub(super) fn settings(export: &ExportEntry) -> Result<(), ProjectProblem> {
     if let Some(name) = repeated(export.formats.iter().map(|f| f.extension())) {
         return Err(ProjectProblem::Twice { kind: "export format", name: name.to_owned() });
     }
@@ -212,6 +305,7 @@ pub(super) fn usual_pictures(name: &str, cuts: &[Cut]) -> Vec<PictureEntry> {
     let entry = |name: String, show: &str, apart| PictureEntry {
         name,
         show: vec![show.to_owned()],
+        parts: Vec::new(),
         apart,
         camera: None,
         from: None,

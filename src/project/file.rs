@@ -6,6 +6,8 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use super::painted::{DepthTable, DirectionTable, Points, ScaleTable};
+use super::problem::ProjectProblem;
+use super::unknown::Complaint;
 use crate::cut::CutParams;
 use crate::export::{AtlasParams, ExportFormat, PlyParams};
 use crate::lap::{FillParams, ScatterParams, TextureType};
@@ -20,6 +22,31 @@ pub(super) struct ProjectFile {
     pub(super) name: Option<String>,
     #[serde(default)]
     pub(super) seed: u64,
+    pub(super) mesh: Option<MeshTable>,
+    pub(super) texture: Option<TextureTable>,
+    pub(super) depth: Option<DepthTable>,
+    pub(super) direction: Option<DirectionTable>,
+    pub(super) scale: Option<ScaleTable>,
+    pub(super) along: Option<DepthTable>,
+    pub(super) across: Option<DepthTable>,
+    pub(super) fill: Option<FillParams>,
+    #[serde(default)]
+    pub(super) paste: Vec<PasteEntry>,
+    #[serde(default)]
+    pub(super) part: Vec<PartTable>,
+    #[serde(default)]
+    pub(super) cut: Vec<CutEntry>,
+    pub(super) picture: Option<Vec<PictureEntry>>,
+    #[serde(default)]
+    pub(super) export: ExportEntry,
+}
+
+/// `[[part]]`: one of several, with the tables that a project of one part has at the top.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PartTable {
+    #[serde(default)]
+    pub(super) name: String,
     pub(super) mesh: MeshTable,
     pub(super) texture: TextureTable,
     pub(super) depth: Option<DepthTable>,
@@ -31,11 +58,45 @@ pub(super) struct ProjectFile {
     pub(super) fill: FillParams,
     #[serde(default)]
     pub(super) paste: Vec<PasteEntry>,
-    #[serde(default)]
-    pub(super) cut: Vec<CutEntry>,
-    pub(super) picture: Option<Vec<PictureEntry>>,
-    #[serde(default)]
-    pub(super) export: ExportEntry,
+}
+
+impl ProjectFile {
+    /// The parts: those of the list, or the one whose tables stand at the top.
+    pub(super) fn parts(&mut self) -> Result<Vec<PartTable>, ProjectProblem> {
+        let mesh = self.mesh.take();
+        let texture = self.texture.take();
+        let given = [
+            ("mesh", mesh.is_some()),
+            ("texture", texture.is_some()),
+            ("depth", self.depth.is_some()),
+            ("direction", self.direction.is_some()),
+            ("scale", self.scale.is_some()),
+            ("along", self.along.is_some()),
+            ("across", self.across.is_some()),
+            ("fill", self.fill.is_some()),
+            ("paste", !self.paste.is_empty()),
+        ];
+        if !self.part.is_empty() {
+            if let Some((key, _)) = given.into_iter().find(|(_, given)| *given) {
+                let choice = "with several parts it belongs to one of them: put it below its [[part]]";
+                return Err(ProjectProblem::Choice { key: key.to_owned(), choice });
+            }
+            return Ok(std::mem::take(&mut self.part));
+        }
+        let missing = |field: &str| Complaint { line: None, message: format!("missing field `{field}`") };
+        Ok(vec![PartTable {
+            name: String::new(),
+            mesh: mesh.ok_or_else(|| missing("mesh"))?,
+            texture: texture.ok_or_else(|| missing("texture"))?,
+            depth: self.depth.take(),
+            direction: self.direction.take(),
+            scale: self.scale.take(),
+            along: self.along.take(),
+            across: self.across.take(),
+            fill: self.fill.take().unwrap_or_default(),
+            paste: std::mem::take(&mut self.paste),
+        }])
+    }
 }
 
 /// `[mesh]`: what is filled.
@@ -64,6 +125,7 @@ pub(super) struct TextureTable {
     pub(super) volume: PathBuf,
     #[serde(rename = "type")]
     pub(super) kind: TextureType,
+    pub(super) height: Option<f32>,
 }
 
 /// `[[paste]]`: a texture pasted onto the fill.
@@ -140,6 +202,9 @@ pub struct PictureEntry {
     /// What it shows: `whole`, pieces `CUT/N`, or all pieces of a cut: `CUT`.
     #[serde(default = "show_whole")]
     pub show: Vec<String>,
+    /// Of models of several parts, the parts that it shows; empty: all.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<String>,
     /// How far the shown pieces are moved apart: 0 leaves them; at 1 their centres are twice as far from
     /// the common centre.
     #[serde(default)]

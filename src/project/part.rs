@@ -1,7 +1,7 @@
 //! A part: a mesh, a solid texture and what is painted, filled. The command line and the project file
 //! both come through here.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -10,16 +10,16 @@ use serde_json::json;
 
 use super::fields::painted_fields;
 use super::part_error::PartError;
-use super::paste::{PasteInput, pasted};
+use super::paste::PasteInput;
 use super::plan::Cut;
+use super::source::{PartMesh, Source, is_tet_file};
 use crate::exec::Exec;
 use crate::field::{DepthParams, DirectionParams, FrameField, Singularities};
-use crate::lap::{self, Fields, FillParams, LappedSolid, Look, TextureType};
-use crate::mesh::{self, CleanReport, Mesher, SplitError, TetMesh, TetParams, TetReport, TriMesh, Wear};
+use crate::lap::{Fields, FillParams, Look, TextureType};
+use crate::mesh::{self, Mesher, SplitError, TetMesh, TetParams, TriMesh, Wear};
 use crate::paint::{DepthPaint, DirectionStroke, Ground, ScaleAt};
 use crate::project::Report;
 use crate::render::Mark;
-use crate::volume;
 
 /// The most levels of refinement at singularities.
 pub const MAX_REFINE_SINGULAR: u32 = 6;
@@ -30,6 +30,8 @@ pub const MAX_REFINED: usize = 1_000_000;
 /// All that makes one filled model.
 #[derive(Debug, Clone)]
 pub struct Part {
+    /// Its name among several; empty where it is the only one.
+    pub name: String,
     /// The mesh file: a surface, or tetrahedra (`.node`, `.ele`, `.vtu`, `.msh`), which are taken as they are.
     pub mesh: PathBuf,
     /// How the surface is filled with tetrahedra.
@@ -40,6 +42,8 @@ pub struct Part {
     pub keep_look: bool,
     /// The solid texture: an `.nrrd` or `.npy` file or a folder of slices.
     pub volume: PathBuf,
+    /// How far the texture's displacement stands out, in units of texture space; `None`: as its file says.
+    pub height: Option<f32>,
     /// The texture's type.
     pub kind: TextureType,
     /// What paints the depth field.
@@ -137,171 +141,29 @@ impl Part {
     }
 }
 
-/// The tetrahedra of a part, and the surface that they were made of.
-#[derive(Debug, Clone, Default)]
-pub struct PartMesh {
-    /// The tetrahedra.
-    pub mesh: TetMesh,
-    /// The cleaned surface: [`FaceOrigin::Input`](crate::mesh::FaceOrigin::Input) counts its triangles. Empty
-    /// where the tetrahedra come from a file.
-    pub surface: TriMesh,
-    /// What that surface wears: regions, texture coordinates, colours, materials.
-    pub wear: Wear,
-}
-
-/// Reads a surface, cleans it and fills it with tetrahedra; tetrahedra in a file are taken as they are.
-///
-/// # Errors
-/// [`PartError`] names the file and what is wrong with it.
-pub fn tet_mesh(
-    path: &Path,
-    params: &TetParams,
-    mesher: &Mesher,
-    exec: &Exec,
-) -> Result<(PartMesh, Report), PartError> {
-    let mut report = Report::default();
-    let mut start = Instant::now();
-    if is_tet_file(path) {
-        let mesh = mesh::read_tets(path)?;
-        report.took("read", start);
-        report.count("tetrahedra", mesh.tets.len());
-        report.count("vertices", mesh.vertices.len());
-        return Ok((PartMesh { mesh, ..PartMesh::default() }, report));
-    }
-    let file = mesh::read(path)?;
-    report.notes.extend(file.notes);
-    let cleaned =
-        mesh::clean(&file.mesh).map_err(|source| PartError::Clean { path: path.to_owned(), source })?;
-    let mut cleaning = Report::default();
-    cleaning.add(&cleaned.report);
-    report.nest("cleaned", cleaning);
-    report.notes.extend(cleaning_note(&cleaned.report));
-    let wear = file.wear.carried_over(&cleaned.from);
-    let surface = cleaned.mesh;
-    report.took("read", start);
-    start = Instant::now();
-    let (mesh, made) = mesh::tetrahedralise(&surface, params, mesher, exec)
-        .map_err(|source| PartError::Tetrahedralise { path: path.to_owned(), source })?;
-    let mut making = Report::default();
-    making.add(&made);
-    report.nest("tetrahedralised", making);
-    report.notes.extend(making_notes(&made));
-    report.count("tetrahedra", mesh.tets.len());
-    report.count("vertices", mesh.vertices.len());
-    report.took("tetrahedralise", start);
-    report.spent("tetgen", made.tetgen_seconds);
-    Ok((PartMesh { mesh, surface, wear }, report))
-}
-
-/// What cleaning changed; nothing for a mesh that was clean.
-fn cleaning_note(cleaned: &CleanReport) -> Option<String> {
-    let changes: Vec<String> = [
-        (cleaned.welded, "vertices welded"),
-        (cleaned.degenerate, "triangles without area dropped"),
-        (cleaned.duplicate, "duplicate triangles dropped"),
-        (cleaned.back_to_back, "triangles back to back dropped"),
-        (cleaned.split, "triangles split"),
-        (cleaned.flipped, "triangles turned over"),
-    ]
-    .into_iter()
-    .filter(|(n, _)| *n > 0)
-    .map(|(n, what)| format!("{n} {what}"))
-    .collect();
-    (!changes.is_empty()).then(|| format!("the mesh was cleaned: {}", changes.join(", ")))
-}
-
-/// How the tetrahedra differ from what was asked for.
-fn making_notes(made: &TetReport) -> Vec<String> {
-    let mut notes = Vec::new();
-    if let Some(s) = &made.simplified {
-        notes.push(format!(
-            "the surface was simplified from {} to {} triangles and strays by at most {:.1} % of its diagonal; \
-             --keep-surface (keep_surface = true) forbids that, more --tets need less of it",
-            s.before,
-            s.after,
-            s.deviation_of_diagonal * 100.0
-        ));
-    }
-    if !made.within_tolerance {
-        notes.push(format!(
-            "{} tetrahedra were asked for and {} made: the surface allows no nearer number",
-            made.asked, made.tetrahedra
-        ));
-    }
-    notes
-}
-
-/// Whether a file's name says that it holds tetrahedra.
-#[must_use]
-pub fn is_tet_file(path: &Path) -> bool {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-    mesh::TET_EXTENSIONS.contains(&extension.as_str())
-}
-
-/// A part that was made, filled or not.
-#[derive(Debug, Clone)]
-pub struct MadePart {
-    /// The model.
-    pub solid: LappedSolid,
-    /// What was done.
-    pub report: Report,
-}
-
-/// Fills one part: reads its mesh and its texture, makes the tetrahedra and the fields, laps.
-///
-/// # Errors
-/// [`PartError`] says what stands in the way.
-pub fn fill_part(part: &Part, seed: u64, mesher: &Mesher, exec: &Exec) -> Result<MadePart, PartError> {
-    part.check()?;
-    // The quick things first, so that a wrong file name does not wait for the tetrahedra.
-    let start = Instant::now();
-    let texture = volume::read(&part.volume)?;
-    let pastings = part.pastes.iter().map(|p| p.read(seed)).collect::<Result<Vec<_>, _>>()?;
-    let mut report = Report::default();
-    report.took("read", start);
-    exec.check()?;
-    let Painted { mesh, fields, look, marks } = painted(part, mesher, &mut report, exec)?;
-    let start = Instant::now();
-    let (mut solid, filled) = lap::fill(mesh, Arc::new(texture), part.kind, &fields, &part.fill, seed, exec)
-        .map_err(PartError::Fill)?;
-    solid.look = look;
-    solid.settings = settings(part, seed, &marks);
-    report.add(&filled);
-    report.took("fill", start);
-    if !pastings.is_empty() {
-        solid = pasted(solid, &pastings, seed, &mut report, exec)?;
-    }
-    Ok(MadePart { solid, report })
-}
-
-/// A part as it is painted, before it is filled: reads its mesh, makes the tetrahedra and the fields. Its solid
-/// texture is not opened.
-///
-/// # Errors
-/// [`PartError`] says what stands in the way.
-pub fn painted_part(part: &Part, mesher: &Mesher, exec: &Exec) -> Result<MadePart, PartError> {
-    part.check()?;
-    let mut report = Report::default();
-    let Painted { mesh, fields, look, marks } = painted(part, mesher, &mut report, exec)?;
-    let mut solid = lap::unfilled(mesh, part.kind, &fields);
-    solid.look = look;
-    solid.settings = settings(part, 0, &marks);
-    Ok(MadePart { solid, report })
-}
-
 /// All that a fill begins with.
-struct Painted {
-    mesh: TetMesh,
-    fields: Fields,
-    look: Option<Arc<Look>>,
-    marks: Vec<Mark>,
+pub(super) struct Painted {
+    pub(super) mesh: TetMesh,
+    pub(super) fields: Fields,
+    pub(super) look: Option<Arc<Look>>,
+    pub(super) marks: Vec<Mark>,
+    /// The surface whose triangles the mesh's boundary counts.
+    pub(super) surface: TriMesh,
+    /// How many of these triangles, the last ones, are walls to other parts.
+    pub(super) walls: usize,
 }
 
 /// The tetrahedra of a part, refined where its frames are singular, and the fields over them.
-fn painted(part: &Part, mesher: &Mesher, report: &mut Report, exec: &Exec) -> Result<Painted, PartError> {
-    let (PartMesh { mesh, surface, wear }, meshed) = tet_mesh(&part.mesh, &part.tets, mesher, exec)?;
-    report.join(meshed);
-    let look = if part.keep_look { Some(look(part, surface, &wear, &report.notes)?) } else { None };
+pub(super) fn painted(
+    part: &Part,
+    source: Source,
+    mesher: &Mesher,
+    report: &mut Report,
+    exec: &Exec,
+) -> Result<Painted, PartError> {
+    let PartMesh { mesh, surface, wear, walls } =
+        source.tetrahedra(&part.mesh, &part.tets, mesher, report, exec)?;
+    let look = if part.keep_look { Some(look(part, &surface, &wear, &report.notes)?) } else { None };
     let mut mesh = fit_for_depth(part, mesh, report, exec)?;
     let start = Instant::now();
     let mut painted = painted_fields(part, &mesh, &wear, report, exec)?;
@@ -328,7 +190,7 @@ fn painted(part: &Part, mesher: &Mesher, report: &mut Report, exec: &Exec) -> Re
     report.count("singular_tets", singular.tets.len());
     report.count("singularities", singular.curves);
     report.took("fields", start);
-    Ok(Painted { mesh, look, marks: painted.marks, fields: painted.fields })
+    Ok(Painted { mesh, look, marks: painted.marks, fields: painted.fields, surface, walls })
 }
 
 /// Refuses a level of refinement that makes too many tetrahedra.
@@ -374,8 +236,8 @@ fn singularities(part: &Part, mesh: &TetMesh, fields: &Fields) -> Singularities 
 }
 
 /// The look that the outside keeps.
-fn look(part: &Part, surface: TriMesh, wear: &Wear, notes: &[String]) -> Result<Arc<Look>, PartError> {
-    Look::new(surface, wear).map(Arc::new).map_err(|source| PartError::Look {
+fn look(part: &Part, surface: &TriMesh, wear: &Wear, notes: &[String]) -> Result<Arc<Look>, PartError> {
+    Look::new(surface.clone(), wear).map(Arc::new).map_err(|source| PartError::Look {
         path: part.mesh.clone(),
         notes: notes.iter().map(|note| format!(" ({note})")).collect(),
         source,
@@ -384,7 +246,7 @@ fn look(part: &Part, surface: TriMesh, wear: &Wear, notes: &[String]) -> Result<
 
 /// What made a model, for the record: every setting, but no path; and where what was painted lies, to be drawn over
 /// pictures.
-fn settings(part: &Part, seed: u64, marks: &[Mark]) -> serde_json::Value {
+pub(super) fn settings(part: &Part, seed: u64, marks: &[Mark]) -> serde_json::Value {
     let direction = part.direction.as_ref().map(|d| match d {
         DirectionInput::Constant(v) => json!({ "constant": v }),
         DirectionInput::Strokes(strokes, params) => json!({ "stroke": strokes, "smooth": params }),
@@ -400,6 +262,7 @@ fn settings(part: &Part, seed: u64, marks: &[Mark]) -> serde_json::Value {
         "depth": painted(&part.depth),
         "direction": direction,
         "scale": part.scale.as_ref().map(|s| json!({ "everywhere": s.everywhere, "at": s.at })),
+        "height": part.height,
         "fill": part.fill,
         "paste": part.pastes.iter().map(PasteInput::settings).collect::<Vec<_>>(),
         (Mark::KEY): marks,

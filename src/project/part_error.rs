@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use super::part::{MAX_REFINE_SINGULAR, MAX_REFINED};
 use crate::cut::CutError;
 use crate::exec::Cancelled;
-use crate::lap::{FillError, LookError, PasteError, TextureType};
-use crate::mesh::{CleanError, MeshReadError, SplitError, TetError, TetFileError, TopologyError};
+use crate::lap::{FillError, LookError, PasteError, TextureType, TooLarge};
+use crate::mesh::{CarveError, CleanError, MeshReadError, SplitError, TetError, TetFileError, TopologyError};
 use crate::paint::{PaintError, PaintProblem};
 use crate::volume::VolumeReadError;
 
@@ -76,6 +76,45 @@ pub enum PartError {
         /// Why.
         source: SplitError,
     },
+    /// Parts that cannot be taken out of another.
+    #[error("cannot take {} out of the part '{name}', which surrounds or meets them", quoted(others))]
+    Carve {
+        /// The part that is carved.
+        name: String,
+        /// The smaller ones that may reach into it.
+        others: Vec<String>,
+        /// Why.
+        source: CarveError,
+    },
+    /// A part of tetrahedra from a file into which another reaches.
+    #[error(
+        "another part reaches into '{name}', whose tetrahedra come from {}: those are taken as they are; give its surface \
+         instead",
+        path.display()
+    )]
+    CarveTets {
+        /// The part.
+        name: String,
+        /// Its file.
+        path: PathBuf,
+    },
+    /// Parts that are too much for one model.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
+    /// A height for a texture that has no displacement.
+    #[error(
+        "{} has no displacement for `height` (--height) to scale; name one in its file by the key lapis_displacement",
+        .0.display()
+    )]
+    NoDisplacement(PathBuf),
+    /// What is wrong with one part of several.
+    #[error("in the part '{name}'")]
+    Of {
+        /// The part.
+        name: String,
+        /// What is wrong with it.
+        source: Box<PartError>,
+    },
     /// Refining at the singularities failed.
     #[error("cannot refine the tetrahedra at the frames' singularities; leave refine_singular at 0")]
     Refine(#[source] TopologyError),
@@ -143,6 +182,22 @@ impl From<PaintError> for PartError {
             _ => Self::Paint(error),
         }
     }
+}
+
+impl PartError {
+    /// The same, said of the part of that name; as it is where there is only one, which has none.
+    pub(super) fn of(self, name: &str) -> Self {
+        match self {
+            Self::Cancelled(_) | Self::Carve { .. } | Self::CarveTets { .. } => self,
+            _ if name.is_empty() => self,
+            _ => Self::Of { name: name.to_owned(), source: Box::new(self) },
+        }
+    }
+}
+
+/// `'stone' and 'leaf'`
+fn quoted(names: &[String]) -> String {
+    names.iter().map(|name| format!("'{name}'")).collect::<Vec<_>>().join(" and ")
 }
 
 fn how_to_give(inputs: &[&str]) -> String {

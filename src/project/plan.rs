@@ -11,9 +11,7 @@ use super::unknown::complaint;
 use crate::cut::{CutParams, CutSurface};
 use crate::files::read_whole;
 use crate::lap::LappedSolid;
-use crate::mesh::TetParams;
 use crate::paint::View;
-use crate::render::RenderError;
 use crate::view::Stroke;
 
 /// Which model: the whole one or what a cut left of it.
@@ -84,15 +82,15 @@ pub struct Picture {
     pub entry: PictureEntry,
 }
 
-/// A project: one part, its cuts, its pictures and its exports.
+/// A project: its parts, its cuts, its pictures and its exports.
 #[derive(Debug, Clone)]
 pub struct Project {
     /// The name that its files begin with.
     pub name: String,
     /// The seed of all that is random.
     pub seed: u64,
-    /// What is filled.
-    pub part: Part,
+    /// What is filled: one part without a name, or several with names.
+    pub parts: Vec<Part>,
     /// The cuts, in the order in which they are made.
     pub cuts: Vec<Cut>,
     /// The pictures.
@@ -123,7 +121,8 @@ impl Project {
     /// # Errors
     /// [`ProjectProblem`] says what is wrong with it.
     pub fn from_toml(text: &str, folder: &Path, name: &str) -> Result<Self, ProjectProblem> {
-        let file: ProjectFile = toml::from_str(text).map_err(|e| complaint(text, &e))?;
+        let mut file: ProjectFile = toml::from_str(text).map_err(|e| complaint(text, &e))?;
+        let tables = file.parts()?;
         let name = match file.name {
             Some(name) => check::checked_name("name", name)?,
             None => check::checked_name("name", name.to_owned())?,
@@ -135,38 +134,21 @@ impl Project {
             names.add(&cut.name)?;
             cuts.push(cut);
         }
-        let tables = Tables { folder, names: &names };
-        let part = Part {
-            mesh: folder.join(file.mesh.file),
-            tets: TetParams { tets: file.mesh.tets, keep_surface: file.mesh.keep_surface },
-            keep_look: file.mesh.keep_look,
-            refine_singular: file.mesh.refine_singular,
-            volume: folder.join(file.texture.volume),
-            kind: file.texture.kind,
-            depth: file.depth.map(|t| tables.depth("depth", t)).transpose()?,
-            direction: file.direction.map(|t| tables.direction(t)).transpose()?,
-            scale: file.scale.map(|t| tables.scale(t)).transpose()?,
-            along: file.along.map(|t| tables.depth("along", t)).transpose()?,
-            across: file.across.map(|t| tables.depth("across", t)).transpose()?,
-            cuts: cuts.clone(),
-            fill: file.fill,
-            pastes: file.paste.into_iter().map(|p| check::paste(p, folder)).collect::<Result<_, _>>()?,
-        };
-        part.check()?;
-        check::settings(&part.fill, &file.export)?;
+        let parts = check::parts(tables, &cuts, &Tables { folder, names: &names })?;
+        check::settings(&file.export)?;
+        for cut in &cuts {
+            check::known_parts(&format!("cut '{}': params.parts", cut.name), &cut.params.parts, &parts)?;
+        }
         let entries = file.picture.unwrap_or_else(|| check::usual_pictures(&name, &cuts));
         let pictures: Vec<Picture> =
             entries.into_iter().map(|entry| check::picture(entry, &names)).collect::<Result<_, _>>()?;
         for Picture { entry, .. } in &pictures {
-            entry.render.check(part.kind).map_err(|source| {
-                let key = if matches!(source, RenderError::LayerOf(_)) { "layer" } else { "show" };
-                ProjectProblem::Render { key: format!("picture '{}': render.{key}", entry.name), source }
-            })?;
+            check::drawable(entry, &parts)?;
         }
         if let Some(name) = check::repeated(pictures.iter().map(|p| p.entry.name.as_str())) {
             return Err(ProjectProblem::Twice { kind: "picture", name: name.to_owned() });
         }
-        Ok(Self { name, seed: file.seed, part, cuts, pictures, export: file.export })
+        Ok(Self { name, seed: file.seed, parts, cuts, pictures, export: file.export })
     }
 
     /// The model that `word` names: `whole`, `CUT/N`, or all pieces of `CUT`. `key` is where the word stands.

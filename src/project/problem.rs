@@ -42,7 +42,7 @@ pub enum ProjectProblem {
     /// A name that is given twice.
     #[error("two {kind}s are named '{name}'")]
     Twice {
-        /// `cut`, `picture` or `export format`.
+        /// `cut`, `picture`, `part` or `export format`.
         kind: &'static str,
         /// The name.
         name: String,
@@ -64,6 +64,25 @@ pub enum ProjectProblem {
         name: String,
         /// What could be named.
         known: String,
+    },
+    /// A part that there is not.
+    #[error("{key} names '{name}', which is no part of the project: {known}")]
+    NoPart {
+        /// The key.
+        key: String,
+        /// The name.
+        name: String,
+        /// What could be named.
+        known: String,
+    },
+    /// Something wrong in one part of several.
+    #[error("in the part '{name}': {problem}")]
+    OfPart {
+        /// The part.
+        name: String,
+        /// What is wrong.
+        #[source]
+        problem: Box<ProjectProblem>,
     },
     /// A number out of its range.
     #[error("{key} = {value}: {range}")]

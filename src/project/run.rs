@@ -1,5 +1,6 @@
 //! Running a project: fill, cut, draw, export, report.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -10,8 +11,8 @@ use glam::DVec3;
 use super::check::repeated;
 use super::models::Models;
 use super::output::{OutputError, OutputFolder};
-use super::part::fill_part;
 use super::part_error::PartError;
+use super::parts::fill_parts;
 use super::plan::{Model, Picture, Project};
 use super::report::Report;
 use crate::cut::CutError;
@@ -101,7 +102,7 @@ pub fn run(project: &Project, out: &Path, options: &RunOptions, exec: &Exec) -> 
     work.check_names(&may_replace)?;
 
     let seed = options.seed.unwrap_or(project.seed);
-    let made = fill_part(&project.part, seed, &options.mesher, exec)?;
+    let made = fill_parts(&project.parts, seed, &options.mesher, exec)?;
     work.report = made.report;
     let (models, cuts) = Models::cut(project, made.solid, exec)?;
     work.report.join(cuts);
@@ -186,7 +187,8 @@ impl Work<'_> {
         let start = Instant::now();
         let entry = &picture.entry;
         let shown = models.shown(&picture.show, || format!("the picture '{}'", entry.name))?;
-        let placed = apart(&shown, entry.apart);
+        let shown = of_parts(&shown, &entry.parts);
+        let placed = apart(&shown.iter().map(|s| &**s).collect::<Vec<_>>(), entry.apart);
         let aspect = f64::from(entry.render.width) / f64::from(entry.render.height);
         let camera = match (entry.camera, entry.from) {
             (Some(camera), _) => camera,
@@ -229,6 +231,19 @@ impl Work<'_> {
         }
         Ok(self.report)
     }
+}
+
+/// Of each solid the parts of these names alone, where any are named; those that have none of them are left out.
+#[must_use]
+pub fn of_parts<'a>(solids: &[&'a LappedSolid], names: &[String]) -> Vec<Cow<'a, LappedSolid>> {
+    if names.is_empty() {
+        return solids.iter().map(|solid| Cow::Borrowed(*solid)).collect();
+    }
+    let chosen = |solid: &LappedSolid| {
+        solid.only_parts(|p| solid.parts.get(p).is_some_and(|part| names.contains(&part.name)))
+    };
+    let some = solids.iter().map(|solid| chosen(solid)).filter(|solid| !solid.mesh.tets.is_empty());
+    some.map(Cow::Owned).collect()
 }
 
 /// Moves solids apart: each centre goes `apart` times its distance from the common centre further out.

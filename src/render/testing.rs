@@ -58,6 +58,7 @@ fn lapped(mesh: TetMesh, texture: SolidTexture) -> LappedSolid {
         exemplars: vec![Arc::new(texture)],
         masks: vec![Arc::new(AlphaMask::new([1; 3], vec![255]).unwrap())],
         look: None,
+        parts: Vec::new(),
         tet_origin: (0..count as u32).collect(),
         cuts: 1,
         settings: serde_json::Value::Null,

@@ -6,8 +6,8 @@
 
 use std::path::{Path, PathBuf};
 
+use super::beside::BesideError;
 use super::block::{Block, rgba};
-use super::labels::LabelsError;
 use super::npy::{Array, NpyError, encode as to_npy};
 use super::sidecar::{Sidecar, SidecarError};
 use super::texture::{SolidTexture, VolumeError, checked_voxels};
@@ -29,7 +29,7 @@ pub enum ArrayError {
     Sidecar(#[from] SidecarError),
     /// Its labels are wrong.
     #[error(transparent)]
-    Labels(#[from] LabelsError),
+    Labels(#[from] BesideError),
 }
 
 /// The file beside an array that says what it cannot.

@@ -1,5 +1,6 @@
 //! Voxels on their way to a file and from one.
 
+use super::displacement::Displacement;
 use super::mask::AlphaMask;
 use super::texture::SolidTexture;
 
@@ -13,18 +14,39 @@ pub(super) struct Block<'a> {
     /// Of textures, the axes along which they tile.
     pub(super) tiles: Option<[bool; 3]>,
     pub(super) labels: Option<&'a [u32]>,
+    pub(super) displacement: Option<&'a Displacement>,
+}
+
+/// The names of the files beside a volume's own.
+#[derive(Default)]
+pub(super) struct Names {
+    pub(super) labels: Option<String>,
+    pub(super) displacement: Option<String>,
+}
+
+impl Block<'_> {
+    /// A block of some size, without data.
+    pub(super) fn plain(size: [u32; 3]) -> Self {
+        Self { size, channels: 4, data: &[], tiles: None, labels: None, displacement: None }
+    }
 }
 
 impl<'a> From<&'a SolidTexture> for Block<'a> {
     fn from(texture: &'a SolidTexture) -> Self {
         let (data, tiles) = (texture.voxels().as_flattened(), Some(texture.tiles()));
-        Self { size: texture.size(), channels: 4, data, tiles, labels: texture.labels() }
+        Self {
+            data,
+            tiles,
+            labels: texture.labels(),
+            displacement: texture.displacement(),
+            ..Self::plain(texture.size())
+        }
     }
 }
 
 impl<'a> From<&'a AlphaMask> for Block<'a> {
     fn from(mask: &'a AlphaMask) -> Self {
-        Self { size: mask.size(), channels: 1, data: mask.alpha(), tiles: None, labels: None }
+        Self { channels: 1, data: mask.alpha(), ..Self::plain(mask.size()) }
     }
 }
 

@@ -4,8 +4,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::arrays::{self, ArrayError};
-use super::block::Block;
-use super::labels::{labels_path, plain_name};
+use super::beside::{Beside, plain_name};
+use super::block::{Block, Names};
 use super::mask::AlphaMask;
 use super::nrrd::{self, NrrdError};
 use super::sidecar::Sidecar;
@@ -75,13 +75,13 @@ pub enum VolumeWriteError {
         /// Where it should have gone.
         path: PathBuf,
     },
-    /// A file of labels whose name the volume cannot hold.
+    /// A file of labels or displacements whose name the volume cannot hold.
     #[error(
-        "{path} cannot be named by the volume whose particle labels it would hold; give the volume a name of letters, \
+        "{path} cannot be named by the volume whose particle labels or displacement it would hold; give the volume a name of letters, \
          digits, spaces, '-', '_' and '.'"
     )]
-    LabelName {
-        /// Where the labels should have gone.
+    BesideName {
+        /// Where they should have gone.
         path: PathBuf,
     },
     /// The system refuses.
@@ -153,10 +153,10 @@ pub fn write(path: &Path, texture: &SolidTexture) -> Result<(), VolumeWriteError
 }
 
 /// The files that a solid texture is written to where `path` ends in `.nrrd` or `.npy`, and their bytes: `path` comes
-/// last, before it the files beside it that it needs, as the one of its labels, [`labels_path`].
+/// last, before it the files beside it that it needs, as those of its labels and its displacement, [`Beside::path`].
 ///
 /// # Errors
-/// [`VolumeWriteError::Unknown`], [`VolumeWriteError::LabelName`].
+/// [`VolumeWriteError::Unknown`], [`VolumeWriteError::BesideName`].
 pub fn to_files(path: &Path, texture: &SolidTexture) -> Result<Vec<(PathBuf, Vec<u8>)>, VolumeWriteError> {
     block_files(path, &texture.into())
 }
@@ -165,7 +165,7 @@ pub fn to_files(path: &Path, texture: &SolidTexture) -> Result<Vec<(PathBuf, Vec
 /// [`to_files`] has them.
 #[must_use]
 pub fn to_nrrd(texture: &SolidTexture) -> Vec<u8> {
-    nrrd::encode(&texture.into(), None)
+    nrrd::encode(&texture.into(), &Names::default())
 }
 
 /// Writes a mask, in grey, in the same ways as [`write()`].
@@ -193,29 +193,43 @@ fn block_files(path: &Path, block: &Block<'_>) -> Result<Vec<(PathBuf, Vec<u8>)>
         return Err(VolumeWriteError::Unknown { path: path.to_owned() });
     }
     let mut all = Vec::new();
-    let mut name = None;
-    if let Some(labels) = block.labels {
-        let beside = labels_path(path);
-        // As it will be read: the rest of a line without the spaces around it.
-        let plain = beside.file_name().and_then(|name| name.to_str()).filter(|name| {
-            plain_name(name) == Some(*name) && name.trim() == *name && !name.contains(char::is_control)
-        });
-        let Some(plain) = plain else {
-            return Err(VolumeWriteError::LabelName { path: beside });
-        };
-        name = Some(plain.to_owned());
+    let labels = block.labels.map(|labels| {
         let encode = if nrrd { nrrd::encode_labels } else { arrays::encode_labels };
-        all.push((beside, encode(block.size, labels)));
-    }
+        (Beside::Labels, encode(block.size, labels))
+    });
+    let displacement = block.displacement.map(|displacement| {
+        let grey = Block { channels: 1, data: &displacement.values, ..Block::plain(block.size) };
+        let bytes = if nrrd { nrrd::encode(&grey, &Names::default()) } else { arrays::encode(&grey) };
+        (Beside::Displacement, bytes)
+    });
+    let mut name = |file: Option<(Beside, Vec<u8>)>| match file {
+        None => Ok(None),
+        Some((of, bytes)) => {
+            let beside = of.path(path);
+            let name = storable_name(&beside)?;
+            all.push((beside, bytes));
+            Ok(Some(name))
+        }
+    };
+    let names = Names { labels: name(labels)?, displacement: name(displacement)? };
     if nrrd {
-        all.push((path.to_owned(), nrrd::encode(block, name.as_deref())));
+        all.push((path.to_owned(), nrrd::encode(block, &names)));
         return Ok(all);
     }
-    if let Some(tiles) = block.tiles {
-        all.push((arrays::sidecar_path(path), Sidecar::new(tiles, name).to_bytes()));
+    if block.tiles.is_some() {
+        all.push((arrays::sidecar_path(path), Sidecar::new(block, names).to_bytes()));
     }
     all.push((path.to_owned(), arrays::encode(block)));
     Ok(all)
+}
+
+/// The name of a file beside a volume, as it will be read: the rest of a line without the spaces around it.
+fn storable_name(beside: &Path) -> Result<String, VolumeWriteError> {
+    let plain = beside.file_name().and_then(|name| name.to_str()).filter(|name| {
+        plain_name(name) == Some(*name) && name.trim() == *name && !name.contains(char::is_control)
+    });
+    let name = || VolumeWriteError::BesideName { path: beside.to_owned() };
+    plain.map(str::to_owned).ok_or_else(name)
 }
 
 fn has_extension(path: &Path, extension: &str) -> bool {

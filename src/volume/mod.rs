@@ -2,7 +2,9 @@
 //! files; `docs/volumes.md` says what the files hold.
 
 mod arrays;
+mod beside;
 mod block;
+mod displacement;
 mod file;
 mod labels;
 mod mask;
@@ -15,8 +17,9 @@ mod splotch;
 mod texture;
 
 pub use arrays::ArrayError;
+pub use beside::{Beside, BesideError};
+pub use displacement::Displacement;
 pub use file::{VolumeReadError, VolumeWriteError, read, read_mask, to_files, to_nrrd, write, write_mask};
-pub use labels::{LabelsError, labels_path};
 pub use mask::AlphaMask;
 pub use npy::NpyError;
 pub use nrrd::NrrdError;

@@ -7,10 +7,12 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::labels::{self, LabelsError};
+use super::beside::BesideError;
+use super::block::{Block, Names};
 use super::nrrd::{axes, parse_axes};
 use super::placed::{Placed, Print};
 use super::texture::SolidTexture;
+use super::{displacement, labels};
 use crate::files;
 
 /// A file beside a volume that does not say which axes tile.
@@ -30,6 +32,10 @@ pub(super) struct Sidecar {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     labels: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    displacement: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    height: Option<f32>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     voxel_size: Option<[f64; 3]>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     origin: Option<[f64; 3]>,
@@ -38,9 +44,15 @@ pub(super) struct Sidecar {
 }
 
 impl Sidecar {
-    /// Of a texture that tiles along some axes, and whose labels lie in the file of that name.
-    pub(super) fn new(tiles: [bool; 3], labels: Option<String>) -> Self {
-        Self { tiles: axes(tiles), labels, ..Self::default() }
+    /// Of a texture whose other files have these names.
+    pub(super) fn new(block: &Block<'_>, names: Names) -> Self {
+        Self {
+            tiles: axes(block.tiles.unwrap_or_default()),
+            labels: names.labels,
+            height: block.displacement.map(|d| d.height),
+            displacement: names.displacement,
+            ..Self::default()
+        }
     }
 
     /// Of a volume that lies somewhere in space.
@@ -62,17 +74,30 @@ impl Sidecar {
         if parse_axes(&sidecar.tiles).is_none() {
             return Err(fail(format!("{:?} is not made of the letters x, y, z", sidecar.tiles)));
         }
+        if sidecar.displacement.is_some() && !sidecar.height.is_some_and(f32::is_finite) {
+            let problem = "`displacement` needs `height`: how far 255 stands out, in units of texture space";
+            return Err(fail(problem.to_owned()));
+        }
         Ok(sidecar)
     }
 
-    /// The texture with the axes and the labels that are named here; `folder` is the one that this file lies in.
-    pub(super) fn apply(&self, texture: SolidTexture, folder: &Path) -> Result<SolidTexture, LabelsError> {
+    /// The texture with the axes, the labels and the displacement that are named here; `folder` is the one that this file lies in.
+    pub(super) fn apply(&self, texture: SolidTexture, folder: &Path) -> Result<SolidTexture, BesideError> {
         let texture = texture.with_tiles(parse_axes(&self.tiles).unwrap_or_default());
-        let Some(name) = &self.labels else {
+        let open = |name: &str| files::read_whole(&folder.join(name));
+        let size = texture.size();
+        let texture = match &self.labels {
+            None => texture,
+            Some(name) => {
+                let labels = labels::read(name, size, open)?;
+                texture.with_labels(labels).expect("as many labels as voxels were asked for")
+            }
+        };
+        let Some((name, height)) = self.displacement.as_ref().zip(self.height) else {
             return Ok(texture);
         };
-        let labels = labels::read(name, texture.size(), |name| files::read_whole(&folder.join(name)))?;
-        Ok(texture.with_labels(labels).expect("as many labels as voxels were asked for"))
+        let values = displacement::read(name, size, open)?;
+        Ok(texture.with_displacement(values, height).expect("as many values as voxels were asked for"))
     }
 
     pub(super) fn to_bytes(&self) -> Vec<u8> {

@@ -12,8 +12,8 @@ use std::fs;
 use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
 
-use super::block::{Block, rgba};
-use super::labels::LabelsError;
+use super::beside::BesideError;
+use super::block::{Block, Names, rgba};
 use super::nrrd;
 use super::sidecar::{Sidecar, SidecarError};
 use super::texture::{MAX_SIDE, SolidTexture, VolumeError, checked_voxels};
@@ -21,6 +21,7 @@ use crate::files;
 
 pub(super) const SIDECAR: &str = "volume.json";
 const LABELS: &str = "labels.nrrd";
+const DISPLACEMENT: &str = "displacement.nrrd";
 
 /// A folder whose PNG slices do not make a volume.
 #[derive(Debug, thiserror::Error)]
@@ -70,7 +71,7 @@ pub enum SlicesError {
     Sidecar(#[from] SidecarError),
     /// The labels that `volume.json` names are wrong.
     #[error(transparent)]
-    Labels(#[from] LabelsError),
+    Labels(#[from] BesideError),
 }
 
 pub(super) fn read(folder: &Path) -> Result<SolidTexture, SlicesError> {
@@ -192,11 +193,18 @@ pub(super) fn write(folder: &Path, block: &Block<'_>) -> io::Result<()> {
     for (k, pixels) in block.data.chunks_exact(slice).enumerate() {
         fs::write(fresh.join(slice_name(k as u64)), encode(width, height, channels, None, pixels)?)?;
     }
+    let mut names = Names::default();
     if let Some(labels) = block.labels {
         fs::write(fresh.join(LABELS), nrrd::encode_labels(block.size, labels))?;
+        names.labels = Some(LABELS.to_owned());
     }
-    if let Some(tiles) = block.tiles {
-        let sidecar = Sidecar::new(tiles, block.labels.map(|_| LABELS.to_owned()));
+    if let Some(displacement) = block.displacement {
+        let grey = Block { channels: 1, data: &displacement.values, ..Block::plain(block.size) };
+        fs::write(fresh.join(DISPLACEMENT), nrrd::encode(&grey, &Names::default()))?;
+        names.displacement = Some(DISPLACEMENT.to_owned());
+    }
+    if block.tiles.is_some() {
+        let sidecar = Sidecar::new(block, names);
         fs::write(fresh.join(SIDECAR), sidecar.to_bytes())?;
     }
     replace(folder, &fresh)
@@ -314,7 +322,7 @@ mod tests {
         for count in [12u32, 3] {
             let data: Vec<u8> = (0..2 * 3 * count * 4).map(|i| i as u8).collect();
             let (size, tiles) = ([2, 3, count], Some([true, false, true]));
-            write(&folder, &Block { size, channels: 4, data: &data, tiles, labels: None }).unwrap();
+            write(&folder, &Block { data: &data, tiles, ..Block::plain(size) }).unwrap();
             let t = read(&folder).unwrap();
             assert_eq!((t.size(), t.tiles()), ([2, 3, count], [true, false, true]));
             assert_eq!(t.voxels().as_flattened(), data);
@@ -329,7 +337,7 @@ mod tests {
         let folder = dir.path().join("home");
         fs::create_dir(&folder).unwrap();
         fs::write(folder.join("thesis.txt"), "years").unwrap();
-        let dot = Block { size: [1; 3], channels: 1, data: &[0], tiles: None, labels: None };
+        let dot = Block { channels: 1, data: &[0], ..Block::plain([1; 3]) };
         let e = write(&folder, &dot).unwrap_err();
         assert!(e.to_string().contains("thesis.txt"));
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);

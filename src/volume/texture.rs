@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use super::displacement::Displacement;
 use crate::colour::{LinearRgba, linear_table};
 
 /// The most voxels along one axis.
@@ -10,7 +11,7 @@ pub const MAX_SIDE: u32 = 4096;
 pub const MAX_VOXELS: u64 = 1 << 30;
 
 /// Numbers that do not make a volume.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum VolumeError {
     /// A side of 0 voxels or too many.
     #[error("a volume of {}×{}×{} voxels: each side must have 1 to {MAX_SIDE} voxels, all together at most {MAX_VOXELS}", .0[0], .0[1], .0[2])]
@@ -22,6 +23,18 @@ pub enum VolumeError {
         expected: usize,
         /// Voxels that are there.
         found: usize,
+    },
+    /// More or fewer displacements than voxels, or a height that is no number.
+    #[error(
+        "{found} displacements of height {height} for {expected} voxels; give one for each, and a finite height"
+    )]
+    Displacement {
+        /// Voxels of the volume.
+        expected: usize,
+        /// Displacements that are there.
+        found: usize,
+        /// How far 255 stands out.
+        height: f32,
     },
     /// More or fewer labels than voxels.
     #[error("{found} particle labels for {expected} voxels; give one for each")]
@@ -53,12 +66,13 @@ pub fn checked_voxels(size: [u64; 3]) -> Result<usize, VolumeError> {
 ///
 /// A texture that is made of particles in a matrix says of each voxel in which particle it lies \[SST 3.2\]: its
 /// label, 0 for the matrix.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SolidTexture {
     size: [u32; 3],
     voxels: Vec<[u8; 4]>,
     tiles: [bool; 3],
     labels: Option<Vec<u32>>,
+    displacement: Option<Displacement>,
 }
 
 /// What the labels of a texture tell of its particles.
@@ -80,7 +94,7 @@ impl SolidTexture {
         if voxels.len() != expected {
             return Err(VolumeError::Length { expected, found: voxels.len() });
         }
-        Ok(Self { size, voxels, tiles, labels: None })
+        Ok(Self { size, voxels, tiles, labels: None, displacement: None })
     }
 
     /// The same texture, wrapping around along the axes that `tiles` says: for files that do not say it.
@@ -99,6 +113,34 @@ impl SolidTexture {
             return Err(VolumeError::Labels { expected, found });
         }
         Ok(Self { labels: Some(labels), ..self })
+    }
+
+    /// The same texture with a displacement channel: a value for each voxel, x fastest, 0 on the surface; `height`, in
+    /// units of texture space, is how far 255 stands out of it.
+    ///
+    /// # Errors
+    /// [`VolumeError::Displacement`] where there are more or fewer values than voxels, or the height is not finite.
+    pub fn with_displacement(self, values: Vec<u8>, height: f32) -> Result<Self, VolumeError> {
+        let (expected, found) = (self.voxels.len(), values.len());
+        if found != expected || !height.is_finite() {
+            return Err(VolumeError::Displacement { expected, found, height });
+        }
+        Ok(Self { displacement: Some(Displacement { values, height }), ..self })
+    }
+
+    /// The same texture with another height of its displacement, where it has one. Not finite: as it was.
+    #[must_use]
+    pub fn with_height(mut self, height: f32) -> Self {
+        if let Some(displacement) = self.displacement.as_mut().filter(|_| height.is_finite()) {
+            displacement.height = height;
+        }
+        self
+    }
+
+    /// The displacement channel, if it has one.
+    #[must_use]
+    pub fn displacement(&self) -> Option<&Displacement> {
+        self.displacement.as_ref()
     }
 
     /// Voxels along x, y, z.
@@ -174,6 +216,25 @@ impl SolidTexture {
         }
         #[allow(clippy::cast_precision_loss)] // at most 2³⁰ voxels
         Some(Particles { count: seen.len(), share: inside as f64 / labels.len() as f64 })
+    }
+
+    /// How far it stands out at a point of texture space, in units of texture space: trilinear as
+    /// [`SolidTexture::sample`]. 0 for a texture without displacement.
+    #[must_use]
+    pub fn displacement_at(&self, uvw: [f32; 3]) -> f32 {
+        let Some(Displacement { values, height }) = &self.displacement else { return 0.0 };
+        let [x, y, z] = std::array::from_fn(|n| Tap::new(uvw[n], self.size[n], self.tiles[n]));
+        let (nx, ny) = (self.size[0] as usize, self.size[1] as usize);
+        let mut sum = 0.0;
+        for (k, wz) in [(z.lo, 1.0 - z.t), (z.hi, z.t)] {
+            for (j, wy) in [(y.lo, 1.0 - y.t), (y.hi, y.t)] {
+                let row = (k * ny + j) * nx;
+                for (i, wx) in [(x.lo, 1.0 - x.t), (x.hi, x.t)] {
+                    sum += wx * wy * wz * f32::from(values[row + i]);
+                }
+            }
+        }
+        sum / 255.0 * height
     }
 
     /// Trilinear colour at a point of texture space, in linear light: wrapped on tiling axes, clamped

@@ -288,6 +288,7 @@ fn without_layers(solid: &LappedSolid) -> LappedSolid {
         exemplars: Vec::new(),
         masks: Vec::new(),
         look: None,
+        parts: Vec::new(),
         tet_origin: solid.tet_origin.clone(),
         cuts: solid.cuts,
         settings: Value::Null,

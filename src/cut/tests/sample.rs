@@ -94,6 +94,7 @@ pub fn solid(n: u32, ball: bool, jitter: f64, seed: u64) -> LappedSolid {
         exemplars: vec![Arc::new(texture)],
         masks,
         look: None,
+        parts: Vec::new(),
         tet_origin: (0..count as u32).collect(),
         cuts: 0,
         settings: serde_json::json!({ "made for": "tests" }),

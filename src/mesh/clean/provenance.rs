@@ -40,6 +40,19 @@ impl Provenance {
         u32::try_from(t).ok().and_then(|t| self.parts.get(&t)).unwrap_or(&WHOLE)
     }
 
+    /// Triangles that are parts of old ones: the old one of each, and its corners by barycentric coordinates there.
+    pub(crate) fn of_parts(parts: impl Iterator<Item = (u32, [[f64; 3]; 3])>) -> Self {
+        let mut all = Self::default();
+        for (t, (old, corners)) in parts.enumerate() {
+            all.triangles.push(old);
+            all.turned.push(false);
+            if corners != WHOLE {
+                all.parts.insert(t as u32, corners);
+            }
+        }
+        all
+    }
+
     /// All triangles as they are.
     pub(super) fn unchanged(count: u32) -> Self {
         Self { triangles: (0..count).collect(), turned: vec![false; count as usize], parts: BTreeMap::new() }

@@ -2,8 +2,8 @@
 
 use std::io;
 
-use super::header::{LABELS, MAX_HEADER};
-use crate::volume::labels::LabelsError;
+use super::header::MAX_HEADER;
+use crate::volume::beside::BesideError;
 use crate::volume::texture::VolumeError;
 
 /// Bytes that are not an NRRD volume of 8-bit voxels.
@@ -89,12 +89,14 @@ pub enum NrrdError {
         /// Why not.
         error: io::Error,
     },
-    /// The file that holds the particle labels does not fit.
-    #[error("line {line} of the header, `{LABELS}`: {error}")]
-    Labels {
+    /// The file that holds the particle labels or the displacement does not fit.
+    #[error("line {line} of the header, `{key}`: {error}")]
+    Beside {
         /// Counted from 1.
         line: usize,
+        /// The key that names it.
+        key: &'static str,
         /// What is wrong with it.
-        error: LabelsError,
+        error: BesideError,
     },
 }

@@ -4,7 +4,7 @@ use std::io::{self, Read};
 
 use flate2::read::MultiGzDecoder;
 
-use super::super::labels::plain_name;
+use super::super::beside::plain_name;
 use super::{NrrdError, parse_axes};
 
 /// The longest header that is read, in bytes.
@@ -34,6 +34,10 @@ const FIELDS: [&str; 9] =
 pub(super) const TILES: &str = "lapis_tiles";
 /// The key that names the file of a texture's particle labels.
 pub(super) const LABELS: &str = "lapis_labels";
+/// The key that names the file of a texture's displacement.
+pub(super) const DISPLACEMENT: &str = "lapis_displacement";
+/// The key that says how far a displacement of 255 stands out, in units of texture space.
+pub(super) const HEIGHT: &str = "lapis_height";
 
 pub(super) struct Header {
     entries: Vec<Entry>,
@@ -67,9 +71,10 @@ impl Header {
             // Whichever separator comes first decides: a value may hold the other.
             let split = text.find(':').map(|at| (&text[..at], &text[at + 1..]));
             let (name, value) = match split {
-                Some((key, rest)) if rest.starts_with('=') => {
-                    ([TILES, LABELS].into_iter().find(|&known| known == key), &rest[1..])
-                }
+                Some((key, rest)) if rest.starts_with('=') => (
+                    [TILES, LABELS, DISPLACEMENT, HEIGHT].into_iter().find(|&known| known == key),
+                    &rest[1..],
+                ),
                 Some((field, rest)) if rest.starts_with(' ') || rest.is_empty() => {
                     let field = field.replace(' ', "").to_ascii_lowercase();
                     (FIELDS.into_iter().find(|&known| known == field), rest)
@@ -108,6 +113,18 @@ impl Header {
         };
         parse_axes(&entry.value)
             .ok_or_else(|| entry.wrong("give the letters of the axes that tile, as in `xz`"))
+    }
+
+    /// How far a displacement of 255 stands out.
+    pub(super) fn height(&self) -> Result<f32, NrrdError> {
+        let entry = self.need(HEIGHT)?;
+        match entry.value.parse::<f32>() {
+            Ok(height) if height.is_finite() => Ok(height),
+            _ => {
+                Err(entry
+                    .wrong("it must be a finite number: how far 255 stands out, in units of texture space"))
+            }
+        }
     }
 
     /// The number in field `name`, 0 where it is missing; `None` for -1.

@@ -3,13 +3,16 @@
 //! Written: `type: uint8`, colours as `sizes: 4 nx ny nz` with `kinds: RGBA-color space space space`, masks as
 //! `sizes: nx ny nz`, gzip, the header in the same file. The key `lapis_tiles:=xz` names the axes along which a
 //! texture tiles; its value may be empty, and a file without the key tiles nowhere. The key
-//! `lapis_labels:=NAME-labels.nrrd` names the file beside it that has the particle labels.
+//! `lapis_labels:=NAME-labels.nrrd` names the file beside it that has the particle labels, and
+//! `lapis_displacement:=NAME-displacement.nrrd` the grey one of the displacement, of which `lapis_height:=0.1` says how far
+//! 255 stands out, in units of texture space.
 //!
 //! Read besides: 1 (grey), 2 (grey, alpha) or 3 (RGB) components, on the first axis or on the last; plain
 //! three-dimensional grey; raw and text encodings; the voxels in another file of the same folder. Fields that
 //! do not matter here (spacings, units, endianness of single bytes) are passed over.
 
 mod error;
+mod grey;
 mod header;
 mod labels;
 
@@ -19,9 +22,11 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 
 pub use self::error::NrrdError;
-use self::header::{Header, LABELS, TILES, data_file_name};
+pub(super) use self::grey::GreyFile;
+use self::header::{DISPLACEMENT, HEIGHT, Header, LABELS, TILES, data_file_name};
 pub(super) use self::labels::{LabelFile, encode_labels};
-use super::block::{Block, rgba};
+use super::block::{Block, Names, rgba};
+use super::displacement::read as displacement_beside;
 use super::labels::read as labels_beside;
 use super::placed::Placed;
 use super::texture::{SolidTexture, checked_voxels};
@@ -38,12 +43,22 @@ pub(super) fn decode(
     let bytes = data(&header, bytes, layout.bytes, &open)?;
     let texture = SolidTexture::new(layout.size, layout.voxels(&bytes), tiles);
     let texture = texture.expect("size and length were checked");
-    let Some(entry) = header.field(LABELS) else {
+    let texture = match header.field(LABELS) {
+        None => texture,
+        Some(entry) => {
+            let labels = labels_beside(&entry.value, layout.size, &open);
+            let labels =
+                labels.map_err(|error| NrrdError::Beside { line: entry.line, key: LABELS, error })?;
+            texture.with_labels(labels).expect("as many labels as voxels were asked for")
+        }
+    };
+    let Some(entry) = header.field(DISPLACEMENT) else {
         return Ok(texture);
     };
-    let labels = labels_beside(&entry.value, layout.size, open);
-    let labels = labels.map_err(|error| NrrdError::Labels { line: entry.line, error })?;
-    Ok(texture.with_labels(labels).expect("as many labels as voxels were asked for"))
+    let height = header.height()?;
+    let values = displacement_beside(&entry.value, layout.size, open);
+    let values = values.map_err(|error| NrrdError::Beside { line: entry.line, key: DISPLACEMENT, error })?;
+    Ok(texture.with_displacement(values, height).expect("as many values as voxels were asked for"))
 }
 
 /// The `expected` bytes of data that a header describes: those that follow it in `bytes`, or another file's.
@@ -64,8 +79,8 @@ fn data(
     header.unpack(elsewhere.as_deref().unwrap_or(&bytes[header.length..]), expected)
 }
 
-/// An NRRD file of a block; `labels` is the name of the file that has the particle labels.
-pub(super) fn encode(block: &Block<'_>, labels: Option<&str>) -> Vec<u8> {
+/// An NRRD file of a block that names the files beside it.
+pub(super) fn encode(block: &Block<'_>, names: &Names) -> Vec<u8> {
     let ([nx, ny, nz], channels) = (block.size, block.channels);
     let mut header = String::from("NRRD0004\ntype: uint8\n");
     header += &match channels {
@@ -76,8 +91,11 @@ pub(super) fn encode(block: &Block<'_>, labels: Option<&str>) -> Vec<u8> {
     if let Some(tiles) = block.tiles {
         header += &format!("{TILES}:={}\n", axes(tiles));
     }
-    if let Some(labels) = labels {
+    if let Some(labels) = &names.labels {
         header += &format!("{LABELS}:={labels}\n");
+    }
+    if let (Some(name), Some(displacement)) = (&names.displacement, block.displacement) {
+        header += &format!("{DISPLACEMENT}:={name}\n{HEIGHT}:={:?}\n", displacement.height);
     }
     header.push('\n');
     packed(header, [block.data])
@@ -252,15 +270,15 @@ mod tests {
     fn what_is_written_is_read() {
         let data: Vec<u8> = (0..24).map(|i| i * 10).collect();
         for tiles in [[false; 3], [true, false, true], [true; 3]] {
-            let block = Block { size: [2, 1, 3], channels: 4, data: &data, tiles: Some(tiles), labels: None };
-            let bytes = encode(&block, None);
+            let block = Block { data: &data, tiles: Some(tiles), ..Block::plain([2, 1, 3]) };
+            let bytes = encode(&block, &Names::default());
             let texture = decode(&bytes, alone).unwrap();
             assert_eq!(texture.size(), [2, 1, 3]);
             assert_eq!(texture.tiles(), tiles);
             assert_eq!(texture.voxels().as_flattened(), data);
         }
-        let block = Block { size: [2, 3, 4], channels: 1, data: &data, tiles: None, labels: None };
-        let grey = decode(&encode(&block, None), alone).unwrap();
+        let block = Block { channels: 1, data: &data, ..Block::plain([2, 3, 4]) };
+        let grey = decode(&encode(&block, &Names::default()), alone).unwrap();
         assert_eq!(grey.size(), [2, 3, 4]);
         assert_eq!(grey.voxel(1, 2, 3), [230, 230, 230, 255]);
     }
@@ -268,8 +286,7 @@ mod tests {
     #[test]
     fn the_header_is_the_contract() {
         let tiles = Some([true, false, true]);
-        let bytes =
-            encode(&Block { size: [2, 1, 3], channels: 4, data: &[0; 24], tiles, labels: None }, None);
+        let bytes = encode(&Block { data: &[0; 24], tiles, ..Block::plain([2, 1, 3]) }, &Names::default());
         let header = "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 4 2 1 3\nkinds: RGBA-color space space space\n\
                       encoding: gzip\nlapis_tiles:=xz\n\n";
         assert!(bytes.starts_with(header.as_bytes()));
