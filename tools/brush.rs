@@ -26,7 +26,33 @@ pub(crate) type Paint = [f64; 3];
 pub(crate) fn program(
     name: &str,
     tiles: [bool; 3],
-    colour: impl Fn([f64; 3]) -> Paint + Sync,
+    colour: impl Fn([f64; 3]) -> Paint + Sync + Send,
+    preview: impl Fn(&Path, &SolidTexture) -> io::Result<()>,
+) -> ExitCode {
+    painted(name, || voxels(tiles, colour), preview)
+}
+
+/// The same with a displacement channel: `relief` from 0 to 1, which stands out by `height` units of texture.
+#[allow(dead_code)] // most lie flat
+pub(crate) fn raised(
+    name: &str,
+    tiles: [bool; 3],
+    colour: impl Fn([f64; 3]) -> Paint + Sync + Send,
+    relief: impl Fn([f64; 3]) -> f64 + Sync + Send,
+    height: f32,
+    preview: impl Fn(&Path, &SolidTexture) -> io::Result<()>,
+) -> ExitCode {
+    let texture = || {
+        let level = |sum: f64| (255.0 * sum).round().clamp(0.0, 255.0) as u8;
+        let raised = averages(|p| [relief(p)]).map(|[sum]| level(sum)).collect();
+        voxels(tiles, colour).with_displacement(raised, height).expect("one for each voxel")
+    };
+    painted(name, texture, preview)
+}
+
+fn painted(
+    name: &str,
+    texture: impl FnOnce() -> SolidTexture,
     preview: impl Fn(&Path, &SolidTexture) -> io::Result<()>,
 ) -> ExitCode {
     let mut arguments = std::env::args().skip(1);
@@ -38,7 +64,7 @@ pub(crate) fn program(
             return ExitCode::from(2);
         }
     };
-    let texture = voxels(tiles, colour);
+    let texture = texture();
     let target = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("exemplars/{name}.nrrd"));
     if let Err(e) = volume::write(&target, &texture) {
         eprintln!("{e}");
@@ -53,25 +79,32 @@ pub(crate) fn program(
     ExitCode::SUCCESS
 }
 
-/// Averages the paint over each voxel, in linear light.
-fn voxels(tiles: [bool; 3], colour: impl Fn([f64; 3]) -> Paint + Sync) -> SolidTexture {
-    let at = |i: u32, s: u32| (f64::from(i) + (f64::from(s) + 0.5) / f64::from(SAMPLES)) * VOXEL;
-    let voxels = (0..SIDE.pow(3))
-        .into_par_iter()
-        .map(|n| {
-            let (i, j, k) = (n % SIDE, n / SIDE % SIDE, n / SIDE / SIDE);
-            let mut sum = [0.0; 3];
-            for s in 0..SAMPLES.pow(3) {
-                let (a, b, c) = (s % SAMPLES, s / SAMPLES % SAMPLES, s / SAMPLES / SAMPLES);
-                let colour = colour([at(i, a), at(j, b), at(k, c)]);
-                (0..3).for_each(|n| sum[n] += colour[n] / f64::from(SAMPLES.pow(3)));
-            }
+fn voxels(tiles: [bool; 3], colour: impl Fn([f64; 3]) -> Paint + Sync + Send) -> SolidTexture {
+    let voxels = averages(colour)
+        .map(|sum| {
             let [r, g, b] = sum.map(|c| c as f32);
             // Every third level only: nobody sees it, and the file is smaller by a third.
             encode([r, g, b, 1.0]).map(|level| level.saturating_add(1) / 3 * 3)
         })
         .collect();
     SolidTexture::new([SIDE; 3], voxels, tiles).expect("64³ voxels")
+}
+
+/// Averages over each voxel: of paint, in linear light.
+fn averages<const N: usize>(
+    at: impl Fn([f64; 3]) -> [f64; N] + Sync + Send,
+) -> impl IndexedParallelIterator<Item = [f64; N]> {
+    let place = |i: u32, s: u32| (f64::from(i) + (f64::from(s) + 0.5) / f64::from(SAMPLES)) * VOXEL;
+    (0..SIDE.pow(3)).into_par_iter().map(move |n| {
+        let (i, j, k) = (n % SIDE, n / SIDE % SIDE, n / SIDE / SIDE);
+        let mut sum = [0.0; N];
+        for s in 0..SAMPLES.pow(3) {
+            let (a, b, c) = (s % SAMPLES, s / SAMPLES % SAMPLES, s / SAMPLES / SAMPLES);
+            let one = at([place(i, a), place(j, b), place(k, c)]);
+            (0..N).for_each(|n| sum[n] += one[n] / f64::from(SAMPLES.pow(3)));
+        }
+        sum
+    })
 }
 
 pub(crate) fn srgb(r: u8, g: u8, b: u8) -> Paint {

@@ -93,9 +93,9 @@ fn sponge(p: [f64; 3], [light, middle, dark]: [Paint; 3]) -> Paint {
     let fine = noise(p, [21, 22, 21], 47);
     let paint = mix(middle, light, 0.5 + 0.55 * crumb + 0.25 * coarse);
     // Each pore has a lit rim below its shade.
-    let paint = mix(paint, light, 0.7 * step(0.12, 0.28, pore) * step(0.42, 0.30, pore));
-    let paint = mix(paint, dark, 0.75 * step(0.34, 0.58, pore));
-    mix(paint, dark, 0.5 * step(0.40, 0.72, fine))
+    let paint = mix(paint, light, 0.7 * step(0.08, 0.22, pore) * step(0.36, 0.24, pore));
+    let paint = mix(paint, dark, 0.8 * step(0.28, 0.50, pore));
+    mix(paint, dark, 0.6 * step(0.28, 0.62, fine))
 }
 
 /// Pictures that show how the texture will look in a cake.

@@ -193,7 +193,7 @@ fn on_berry(p: DVec3) -> DVec3 {
         // Narrower towards the tip, with broad shoulders.
         let t = (q.z + 2.0) / 16.0;
         let wide = 14.5 * (1.0 - 0.34 * t) * (1.0 + 0.03 * (3.0 * q.y.atan2(q.x)).cos());
-        (q.x.hypot(q.y) / wide).powi(2) + (q.z / if q.z > 0.0 { 20.0 } else { 14.0 }).abs().powf(2.4) < 1.0
+        (q.x.hypot(q.y) / wide).powi(2) + (q.z / if q.z > 0.0 { 18.5 } else { 14.0 }).abs().powf(2.4) < 1.0
     };
     let (mut low, mut high) = (0.0, 60.0);
     for _ in 0..50 {
@@ -215,7 +215,7 @@ fn rosette() -> TriMesh {
             let first = mesh.vertices.len() as u32;
             mesh.vertices.extend((0..2 * RIBS).map(|k| {
                 let angle = -TAU * (f64::from(k) + 1.0 * n as f64) / f64::from(2 * RIBS);
-                let radius = radius * if k % 2 == 0 { 1.12 } else { 0.84 };
+                let radius = radius * if k % 2 == 0 { 1.10 } else { 0.86 };
                 DVec3::new(radius * angle.cos(), radius * angle.sin(), *up)
             }));
             (first..first + 2 * RIBS).collect()

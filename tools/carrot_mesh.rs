@@ -7,7 +7,7 @@
 //! A profile turned about a slightly bent axis, with bulges: rings of vertices whose spacing follows the
 //! local radius, so that the thin end is as round as the shoulder.
 
-#[path = "shape.rs"]
+mod loft;
 mod shape;
 
 use std::f64::consts::TAU;
@@ -87,7 +87,7 @@ fn carrot(line: &Line) -> TriMesh {
     }
     rings.push(vec![push(line.length(), 0.0)]);
     for pair in rings.windows(2) {
-        zip(&mesh.vertices, &pair[0], &pair[1], &mut mesh.triangles);
+        loft::zip(&mesh.vertices, &pair[0], &pair[1], &mut mesh.triangles);
     }
     mesh
 }
@@ -250,23 +250,4 @@ fn spline(knots: &[[f64; 2]; 4], t: f64) -> [f64; 2] {
             + (3.0 * t2 - 2.0 * t3) * knots[2][i]
             + (t3 - t2) * to
     })
-}
-
-/// Joins two rings, either of which may be a single point, by the shorter diagonals.
-fn zip(vertices: &[DVec3], a: &[u32], b: &[u32], triangles: &mut Vec<[u32; 3]>) {
-    let distance = |i: u32, j: u32| vertices[i as usize].distance(vertices[j as usize]);
-    let around = |ring: &[u32]| if ring.len() == 1 { 0 } else { ring.len() };
-    let (mut i, mut j) = (0, 0);
-    while i < around(a) || j < around(b) {
-        let (p, q) = (a[i % a.len()], b[j % b.len()]);
-        let (next_p, next_q) = (a[(i + 1) % a.len()], b[(j + 1) % b.len()]);
-        let first = j == around(b) || (i < around(a) && distance(next_p, q) < distance(p, next_q));
-        if first {
-            triangles.push([p, q, next_p]);
-            i += 1;
-        } else {
-            triangles.push([p, q, next_q]);
-            j += 1;
-        }
-    }
 }

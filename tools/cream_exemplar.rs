@@ -28,7 +28,7 @@ fn colour(p: [f64; 3]) -> Paint {
     let speck = noise(p, [17, 17, 17], 7);
     let cream = mix(srgb(255, 249, 236), srgb(245, 232, 208), 0.35 + 0.45 * swirl);
     let cream = mix(cream, srgb(232, 214, 182), 0.45 * step(0.45, 0.75, bubble));
-    mix(cream, srgb(120, 92, 60), 0.6 * step(0.72, 0.86, speck))
+    mix(cream, srgb(150, 122, 88), 0.5 * step(0.84, 0.98, speck))
 }
 
 /// Pictures that show how the texture will look.

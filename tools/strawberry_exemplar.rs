@@ -18,7 +18,7 @@ use lapis::colour::LinearRgba;
 use lapis::volume::SolidTexture;
 
 /// Seeds along each side of a square unit.
-const SEEDS: u32 = 3;
+const SEEDS: u32 = 4;
 
 fn main() -> ExitCode {
     let berry = Berry::new();
@@ -45,8 +45,8 @@ impl Berry {
             .map(|n| {
                 let (i, k) = (f64::from(n % SEEDS), f64::from(n / SEEDS));
                 // Rows are shifted against each other, and nothing stands in line.
-                let x = (i + 0.5 * (k % 2.0) + dice.between(0.25, 0.75)) / f64::from(SEEDS);
-                let z = (k + dice.between(0.30, 0.70)) / f64::from(SEEDS);
+                let x = (i + 0.5 * (k % 2.0) + dice.between(0.30, 0.70)) / f64::from(SEEDS);
+                let z = (k + dice.between(0.35, 0.65)) / f64::from(SEEDS);
                 let angle = dice.between(0.0, std::f64::consts::PI);
                 let ripe = dice.between(0.0, 1.0);
                 Seed {
@@ -79,9 +79,9 @@ impl Berry {
         for seed in &self.seeds {
             let (a, b) = (around(x - seed.centre[0]), around(z - seed.centre[1]));
             let [c, s] = seed.turn;
-            let far = ((c * a + s * b) / 0.050).hypot((c * b - s * a) / 0.032);
+            let far = ((c * a + s * b) / 0.040).hypot((c * b - s * a) / 0.027);
             // The dimple: shaded within, lit at its lip.
-            paint = mix(paint, srgb(250, 96, 78), 0.55 * step(2.9, 2.3, far) * step(1.7, 2.2, far));
+            paint = mix(paint, srgb(250, 96, 78), 0.35 * step(2.9, 2.3, far) * step(1.7, 2.2, far));
             paint = mix(paint, srgb(134, 4, 16), 0.85 * step(2.2, 1.3, far));
             if y < 0.07 {
                 paint = mix(paint, seed.paint, step(1.15, 0.8, far));

@@ -1,4 +1,5 @@
-//! Paints the tree's exemplar, a solid texture of 64³ voxels, and writes `exemplars/tree.nrrd`.
+//! Paints the tree's exemplar, a solid texture of 64³ voxels, and writes `exemplars/tree.nrrd`
+//! and its relief, `exemplars/tree-displacement.nrrd`.
 //!
 //!     cargo run --release --example tree_exemplar                       paints it anew
 //!     cargo run --release --example tree_exemplar -- --preview DIR      also shows how it will look
@@ -21,6 +22,8 @@ use lapis::volume::SolidTexture;
 /// The depths at which the cork and the bark end.
 const CORK: f64 = 0.095;
 const BARK: f64 = 0.135;
+/// How far the highest ridges stand out of the surface.
+const HEIGHT: f32 = 0.06;
 /// Where the sapwood ends.
 const HEART: f64 = 0.52;
 /// Year rings.
@@ -28,7 +31,9 @@ const YEARS: usize = 10;
 
 fn main() -> ExitCode {
     let tree = Tree::new();
-    brush::program("tree", [true, false, true], |p| tree.colour(p), preview)
+    // Within the bark all that stands out does; the wood lies flat.
+    let raised = |[x, y, z]: [f64; 3]| relief(x, z) * step(BARK, CORK, y);
+    brush::raised("tree", [true, false, true], |p| tree.colour(p), raised, HEIGHT, preview)
 }
 
 struct Tree {
@@ -70,9 +75,9 @@ impl Tree {
     fn wood(&self, p: [f64; 3]) -> Paint {
         let [x, y, z] = p;
         // Fibres run along x; rays are thin sheets along x and y; rings waver a little.
-        let fibre = noise(p, [2, 22, 22], 1) + 0.8 * noise(p, [3, 31, 31], 2);
-        let grain = noise(p, [9, 31, 31], 3);
-        let ray = noise(p, [5, 3, 31], 4);
+        let fibre = noise(p, [2, 15, 15], 1) + 0.9 * noise(p, [3, 22, 22], 2);
+        let grain = noise(p, [6, 22, 22], 3);
+        let ray = noise(p, [5, 3, 24], 4);
         let depth = y + 0.010 * noise([x, 0.0, z], [2, 1, 5], 5) + 0.003 * fibre;
 
         let heart = step(HEART - 0.02, HEART + 0.03, depth + 0.02 * noise([x, 0.0, z], [2, 1, 4], 6));
@@ -102,17 +107,21 @@ impl Tree {
 }
 
 /// How far the bark stands out there: 0 in the furrows, 1 on the ridges. The same at every depth.
-pub(crate) fn relief(x: f64, z: f64) -> f64 {
+fn relief(x: f64, z: f64) -> f64 {
     // Bands long along x that wind, part and meet: their zero lines are furrows, between them stand ridges.
-    let warp = |stream: u32| noise([x, 0.0, z], [4, 1, 9], stream);
-    let q = [x, 0.0, z + 0.022 * warp(11)];
-    let wide = noise(q, [2, 1, 11], 12).abs();
-    let fine = noise(q, [3, 1, 17], 13).abs();
-    let ridge = step(0.0, 0.26, wide.min(0.07 + fine));
+    let warp = noise([x, 0.0, z], [3, 1, 8], 11);
+    let q = [x, 0.0, z + 0.020 * warp];
+    // How far the next zero line is, going around the trunk: so all furrows are about as wide.
+    let furrow = |frequency: [i64; 3], stream: u32| {
+        let at = |dz: f64| noise([q[0], 0.0, q[2] + dz], frequency, stream);
+        let slope = (at(0.004) - at(-0.004)) / 0.008;
+        at(0.0).abs() / slope.hypot(7.0)
+    };
+    let ridge = step(0.0, 0.025, furrow([1, 1, 10], 12).min(0.007 + furrow([2, 1, 16], 13)));
     // Ridges are broken across into plates, and each is rough.
-    let across = (noise(q, [7, 1, 9], 14) + 0.4 * noise(q, [12, 1, 12], 15)).abs();
-    let plate = 0.70 + 0.30 * step(0.0, 0.22, across);
-    let rough = 0.22 * noise(q, [8, 1, 19], 16) + 0.14 * noise(q, [15, 1, 22], 17);
+    let across = (noise(q, [5, 1, 9], 14) + 0.4 * noise(q, [10, 1, 12], 15)).abs();
+    let plate = 0.74 + 0.26 * step(0.0, 0.22, across);
+    let rough = 0.22 * noise(q, [6, 1, 19], 16) + 0.14 * noise(q, [13, 1, 22], 17);
     (ridge * plate + rough * (0.35 + 0.65 * ridge)).clamp(0.0, 1.0)
 }
 

@@ -20,7 +20,7 @@ pub(crate) struct Paper {
 }
 
 /// All models, in the order of Table 1.
-pub(crate) const MODELS: [Model; 4] = [
+pub(crate) const MODELS: [Model; 7] = [
     Model {
         name: "kiwi",
         title: "Kiwi fruit",
@@ -42,6 +42,16 @@ pub(crate) const MODELS: [Model; 4] = [
         paper: Some(Paper { tetrahedra: 2313, fill_s: 31.0, cut_ms: 63.0, megabytes: 7.1 }),
     },
     Model {
+        name: "tree",
+        title: "Tree",
+        text: "A forked trunk: depth is 0 on the bark, which the mesh file names as a group, and 1 along the pith of \
+               trunk and limbs; the sawn ends are left unpainted, so that they show rings. Strokes along the limbs \
+               turn the fibres. Look at the fork, where the rings of both limbs become those of the trunk, and at \
+               the bark, whose ridges follow the limbs. Where depth and directions of two limbs meet, in the crotch, \
+               patches are small and their edges show.",
+        paper: Some(Paper { tetrahedra: 5012, fill_s: 104.0, cut_ms: 125.0, megabytes: 12.2 }),
+    },
+    Model {
         name: "watermelon",
         title: "Watermelon",
         text: "Rind and flesh depend on the depth alone; in the two other directions the texture may turn as it \
@@ -57,5 +67,21 @@ pub(crate) const MODELS: [Model; 4] = [
                of the texture is turned at random. Look at the same fibres cut across and cut along. Outside, copies \
                end bluntly against each other: bundles of fibres break off in rectangles.",
         paper: Some(Paper { tetrahedra: 1089, fill_s: 18.0, cut_ms: 31.0, megabytes: 2.7 }),
+    },
+    Model {
+        name: "strata",
+        title: "Strata",
+        text: "A block of land. Depth follows the beds, not the ground: strokes run along folded layers, an arch, a \
+               trough and a step, and the hills and the valley have been worn out of them. Look at how the same beds \
+               come to the surface again and again, and at the pebbles, which lie flat in their bed wherever it goes.",
+        paper: Some(Paper { tetrahedra: 2827, fill_s: 77.0, cut_ms: 110.0, megabytes: 10.4 }),
+    },
+    Model {
+        name: "cake",
+        title: "Cake",
+        text: "Four parts in one project: the layers, whose depth runs from top to foot; a coat of cream around them; \
+               rosettes and strawberries that stand in the coat. One cut goes through all. Look at the slice: sponge \
+               with its pores, cream and jam, and a berry with its white heart.",
+        paper: Some(Paper { tetrahedra: 2734, fill_s: 416.0, cut_ms: 187.0, megabytes: 14.5 }),
     },
 ];
