@@ -23,6 +23,7 @@ const WIDE: u32 = 768;
 pub(crate) type Paint = [f64; 3];
 
 /// A program that paints `exemplars/NAME.nrrd`, and with `--preview DIR` also pictures of it.
+#[allow(dead_code)] // what is raised is painted by the other
 pub(crate) fn program(
     name: &str,
     tiles: [bool; 3],

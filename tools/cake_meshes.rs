@@ -29,8 +29,8 @@ const COAT: f64 = 6.5;
 /// How far from the axis berries and rosettes stand, and how many of each.
 const PLACE: f64 = 58.0;
 const COUNT: u32 = 5;
-/// How deep they are sunk into the coat.
-const SUNK: f64 = 2.5;
+/// How far below its middle a berry is cut off, where its leaves were: it stands on that face.
+const CUT: f64 = 9.0;
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -111,15 +111,11 @@ impl Cake {
         let out = |p: &DVec3| {
             let radius = p.x.hypot(p.y);
             let side = DVec3::new(p.x, p.y, 0.0) / radius.max(1e-9);
-            // Its edge is rounded: what lies at it goes out less each way, and up less than the rest.
-            let rim = if radius > 0.9 * RADIUS && p.z > HEIGHT - 1.0 { 0.72 } else { 1.0 };
-            let up = if p.z > HEIGHT - 1.0 { COAT * rim } else { 0.0 };
-            let wide = if radius > 0.9 * RADIUS { COAT * rim } else { 0.0 };
-            // Spread with a knife: a little uneven.
-            let angle = p.y.atan2(p.x);
-            let uneven =
-                1.0 + 0.10 * (7.0 * angle + 0.13 * p.z).sin() + 0.08 * (0.11 * p.x - 0.07 * p.y).sin();
-            *p + uneven * (wide * side + up * DVec3::Z)
+            let wide = if radius > 0.9 * RADIUS { COAT } else { 0.0 };
+            // Spread with a knife, a little uneven; flat on top, where berries and rosettes stand.
+            let uneven = 1.0 + 0.14 * (7.0 * p.y.atan2(p.x) + 0.13 * p.z).sin();
+            let up = if p.z > HEIGHT - 1.0 { COAT } else { 0.0 };
+            *p + uneven * wide * side + up * DVec3::Z
         };
         let vertices = self.vertices.iter().copied().chain(self.vertices.iter().map(out)).collect();
         let skin = [&self.top[..], &self.side[..]].concat();
@@ -150,11 +146,11 @@ fn tidy(mesh: &TriMesh) -> TriMesh {
     tidied
 }
 
-/// Where something stands on the coat: the point of its own origin, its turn about z and its size.
+/// Where something stands on the coat: where its own origin goes, its turn about z and its size.
 type Place = (DVec3, f64, f64);
 
 fn berry_places() -> Vec<Place> {
-    places(0.0, 11.0)
+    places(0.0, CUT)
 }
 
 fn rosette_places() -> Vec<Place> {
@@ -166,8 +162,9 @@ fn places(shift: f64, up: f64) -> Vec<Place> {
         .map(|n| {
             let n = f64::from(n);
             let angle = TAU * (n + shift) / f64::from(COUNT) + 0.05 * (3.0 * n).sin();
-            let p = DVec3::new(PLACE * angle.cos(), PLACE * angle.sin(), HEIGHT + COAT - SUNK + up);
-            (p, 2.1 * n + shift, 1.0 + 0.06 * (5.0 * n + 1.0).sin())
+            let size = 1.0 + 0.06 * (5.0 * n + 1.0).sin();
+            let p = DVec3::new(PLACE * angle.cos(), PLACE * angle.sin(), HEIGHT + COAT + size * up);
+            (p, 2.1 * n + shift, size)
         })
         .collect()
 }
@@ -185,7 +182,7 @@ fn placed(shape: &TriMesh, places: Vec<Place>) -> TriMesh {
     mesh
 }
 
-/// A berry that stands on its broad end, about its own middle: the surface point in the direction of `p`.
+/// A berry that stands on its cut, broad end, about its own middle: the surface point in the direction of `p`.
 fn on_berry(p: DVec3) -> DVec3 {
     let d = p.normalize();
     let inside = |r: f64| {
@@ -200,13 +197,13 @@ fn on_berry(p: DVec3) -> DVec3 {
         let middle = f64::midpoint(low, high);
         if inside(middle) { low = middle } else { high = middle }
     }
-    low * d
+    low.min(if d.z < 0.0 { -CUT / d.z } else { low }) * d
 }
 
 /// Cream from a star-shaped nozzle: ribs that wind upwards to a point.
 fn rosette() -> TriMesh {
     const RIBS: u32 = 6;
-    const PROFILE: [[f64; 2]; 4] = [[0.0, 12.0], [5.5, 14.0], [11.5, 9.5], [16.0, 4.5]];
+    const PROFILE: [[f64; 2]; 4] = [[0.0, 13.5], [5.5, 13.8], [11.5, 9.5], [16.0, 4.5]];
     let mut mesh = TriMesh::default();
     let rings: Vec<Vec<u32>> = PROFILE
         .iter()
@@ -240,7 +237,7 @@ fn rosette() -> TriMesh {
 fn strokes() -> String {
     let mut text = String::new();
     for (at, _, size) in berry_places() {
-        let (low, high) = (at.z - 6.0 * size, at.z + 9.0 * size);
+        let (low, high) = (at.z - 4.0 * size, at.z + 9.0 * size);
         let _ = writeln!(
             text,
             "[[depth.stroke]]\ndepth = 1\npoints = [[{x:.1}, {y:.1}, {low:.1}], [{x:.1}, {y:.1}, {high:.1}]]\n",

@@ -27,6 +27,7 @@ pub(crate) fn zip(vertices: &[DVec3], a: &[u32], b: &[u32], triangles: &mut Vec<
 
 /// Fills a nearly round rim with rings around its middle, about `edge` apart; gives them from the rim inwards, the
 /// middle last, to be zipped in this order or the other.
+#[allow(dead_code)] // not all who join rings close them
 pub(crate) fn cap(vertices: &mut Vec<DVec3>, rim: &[u32], edge: f64) -> Vec<Vec<u32>> {
     let corners: Vec<DVec3> = rim.iter().map(|&v| vertices[v as usize]).collect();
     let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;

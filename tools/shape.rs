@@ -9,6 +9,7 @@ use lapis::mesh::{self, TriMesh};
 
 /// Writes `meshes/NAME.obj`, in thousandths of its unit, and says what it is like; fails where it does not
 /// enclose a solid.
+#[allow(dead_code)] // most have no groups, some do
 pub(crate) fn program(name: &str, mesh: TriMesh) -> ExitCode {
     in_groups(name, mesh, &[])
 }

@@ -8,6 +8,7 @@
 //! the trunk's radius. It tiles along x and z. From outside in: corky bark in ridges that part and meet again, the
 //! thin inner bark, pale sapwood and darker heartwood in year rings with rays across, the pith.
 
+#[allow(dead_code)] // what goes around is for others
 mod brush;
 
 use std::f64::consts::TAU;
@@ -102,7 +103,7 @@ impl Tree {
         // Vessels: short dark lines along the fibres.
         let wood = mix(wood, srgb(112, 66, 38), 0.5 * step(0.5, 0.95, grain) * (1.0 - year));
         let wood = mix(wood, mix(srgb(238, 200, 150), srgb(208, 152, 98), heart), 0.4 * step(0.45, 0.8, ray));
-        mix(wood, srgb(92, 56, 34), 0.85 * step(0.962, 0.985, y))
+        mix(wood, srgb(92, 56, 34), 0.5 * step(0.97, 0.99, y))
     }
 }
 
@@ -115,7 +116,7 @@ fn relief(x: f64, z: f64) -> f64 {
     let furrow = |frequency: [i64; 3], stream: u32| {
         let at = |dz: f64| noise([q[0], 0.0, q[2] + dz], frequency, stream);
         let slope = (at(0.004) - at(-0.004)) / 0.008;
-        at(0.0).abs() / slope.hypot(7.0)
+        at(0.0).abs() / slope.hypot(2.0)
     };
     let ridge = step(0.0, 0.025, furrow([1, 1, 10], 12).min(0.007 + furrow([2, 1, 16], 13)));
     // Ridges are broken across into plates, and each is rough.

@@ -21,28 +21,28 @@ use lapis::mesh::TriMesh;
 
 /// The trunk and the limb that goes on from it: points of the pith and the radius there.
 const TRUNK: [[f64; 4]; 8] = [
-    [0.0, 0.0, 0.0, 67.0],
-    [1.0, 0.0, 40.0, 62.0],
-    [1.0, 1.0, 110.0, 59.0],
-    [4.0, 2.0, 180.0, 57.0],
-    [16.0, 3.0, 250.0, 51.0],
-    [34.0, 1.0, 320.0, 47.0],
-    [46.0, -3.0, 390.0, 44.0],
-    [52.0, -6.0, 450.0, 42.5],
+    [0.0, 0.0, 0.0, 74.0],
+    [1.0, 0.0, 40.0, 68.0],
+    [1.0, 1.0, 95.0, 65.0],
+    [4.0, 2.0, 160.0, 63.0],
+    [16.0, 3.0, 225.0, 57.0],
+    [34.0, 1.0, 290.0, 52.5],
+    [46.0, -3.0, 350.0, 50.0],
+    [52.0, -6.0, 400.0, 48.5],
 ];
 /// The other limb, from within the trunk.
 const BRANCH: [[f64; 4]; 6] = [
-    [2.0, 2.0, 120.0, 48.0],
-    [-12.0, -2.0, 175.0, 48.0],
-    [-45.0, -8.0, 225.0, 47.0],
-    [-88.0, -15.0, 268.0, 44.5],
-    [-128.0, -21.0, 304.0, 43.0],
-    [-150.0, -24.0, 323.0, 43.0],
+    [2.0, 2.0, 90.0, 54.0],
+    [-10.0, -2.0, 150.0, 54.0],
+    [-40.0, -8.0, 208.0, 52.0],
+    [-78.0, -15.0, 260.0, 49.5],
+    [-112.0, -21.0, 302.0, 48.0],
+    [-130.0, -24.0, 324.0, 48.0],
 ];
 /// Edges are about so long, in millimetres.
-const EDGE: f64 = 19.4;
+const EDGE: f64 = 21.0;
 /// How wide the crotch's fillet is.
-const FILLET: f64 = 30.0;
+const FILLET: f64 = 50.0;
 /// Steps of each span of a limb when it is measured.
 const STEPS: usize = 30;
 
@@ -321,7 +321,7 @@ fn strokes(tree: &Tree) -> String {
     };
     let between = |a: f64, b: f64| (0..=12).map(move |n| a + (b - a) * f64::from(n) / 12.0);
     // From the trunk's pith to where the other limb's own begins.
-    let fork = 40.0;
+    let fork = 75.0;
     for table in ["depth", "direction"] {
         stroke(table, &mut between(0.0, trunk.length()).map(|far| trunk.at(far).0));
         stroke(table, &mut between(fork, branch.length()).map(|far| branch.at(far).0));
