@@ -13,6 +13,7 @@ mod params;
 mod picture;
 mod raster;
 mod scene;
+mod shell;
 mod show;
 mod surface;
 #[cfg(test)]
@@ -26,6 +27,7 @@ use rayon::prelude::*;
 pub use frame::{frame_all, frame_all_from};
 pub use params::{MAX_PICTURE_SIDE, PictureSize, PictureSizeError, RenderParams};
 pub use picture::{Difference, Picture, PictureError};
+pub use shell::{DisplaceParams, MAX_DISPLACED_FACES, Parent, Shell};
 pub use show::{Mark, Painted, Show};
 pub use surface::{CREASE_DEG, Surface, SurfacePoint};
 
