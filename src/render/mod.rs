@@ -84,6 +84,16 @@ pub enum RenderError {
         /// Greatest value.
         most: f64,
     },
+    /// A number of how a displaced surface is divided that is out of its range.
+    #[error("displace: {name} is {value}; {range}")]
+    Displace {
+        /// Which setting.
+        name: &'static str,
+        /// What it is.
+        value: f64,
+        /// What it must be.
+        range: &'static str,
+    },
     /// A solid does not have what is to be shown.
     #[error("there is no {show} to show: {why}")]
     Nothing {

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use super::surface::{Smooth, Surface, SurfacePoint, kind};
 use crate::exec::{Cancelled, Exec};
-use crate::mesh::FaceOrigin;
+use crate::mesh::{FaceOrigin, index};
 pub use params::{DisplaceParams, MAX_DISPLACED_FACES};
 use split::Splitter;
 
@@ -59,16 +59,22 @@ impl Shell {
     pub fn new(surface: &Surface<'_>, params: &DisplaceParams, exec: &Exec) -> Result<Self, Cancelled> {
         let solid = surface.solid;
         if !solid.is_displaced() || solid.layer_patch.is_empty() {
-            return Ok(Self {
-                places: solid.mesh.vertices.clone(),
-                points: surface.points.clone(),
-                faces: surface.faces.clone(),
-                parents: (0..surface.faces.len() as u32).map(Parent::whole).collect(),
-            });
+            return Ok(Self::plain(surface));
         }
         let (places, triangles, parents) = Splitter::new(surface, params).split(exec)?;
         let smooth = Smooth::new(&places, &triangles, |f| kind(surface.origin(parents[f].face as usize)));
         Ok(Self { places, points: smooth.points, faces: smooth.faces, parents })
+    }
+
+    /// The surface as it is, whatever its displacement.
+    #[must_use]
+    pub fn plain(surface: &Surface<'_>) -> Self {
+        Self {
+            places: surface.solid.mesh.vertices.clone(),
+            points: surface.points.clone(),
+            faces: surface.faces.clone(),
+            parents: (0..index(surface.faces.len())).map(Parent::whole).collect(),
+        }
     }
 
     /// Positions of the three corners of face `f`.
