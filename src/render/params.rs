@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::{RenderError, Show};
+use super::{RenderError, Show, TranslucentParams};
 use crate::colour::Colour;
 use crate::lap::TextureType;
 
@@ -46,6 +46,11 @@ pub struct RenderParams {
     /// How strong light and shade are: 1 is the usual, 0 shows the texture's own colours
     #[arg(long, default_value_t = RenderParams::default().shading)]
     pub shading: f64,
+    /// Shows the inside through matter that is more or less clear, instead of the outside. On the command line
+    /// `--translucent` asks for it.
+    #[arg(skip)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub translucent: Option<TranslucentParams>,
 }
 
 impl Default for RenderParams {
@@ -60,6 +65,7 @@ impl Default for RenderParams {
             light_azimuth_deg: -20.0,
             light_elevation_deg: 36.0,
             shading: 1.0,
+            translucent: None,
         }
     }
 }
@@ -85,6 +91,12 @@ impl RenderParams {
             if !(least..=most).contains(&value) {
                 return Err(RenderError::Light { name, value, least, most });
             }
+        }
+        if let Some(translucent) = &self.translucent {
+            if self.show != Show::Texture || self.layer.is_some() {
+                return Err(RenderError::TranslucentShow);
+            }
+            translucent.validate()?;
         }
         match self.layer {
             Some(layer) if !(0.0..=1.0).contains(&layer) => Err(RenderError::Layer(layer)),
