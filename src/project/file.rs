@@ -10,7 +10,7 @@ use crate::cut::CutParams;
 use crate::export::{AtlasParams, ExportFormat, PlyParams};
 use crate::lap::{FillParams, ScatterParams, TextureType};
 use crate::mesh::TetParams;
-use crate::render::RenderParams;
+use crate::render::{RenderParams, TurntableParams};
 use crate::view::Camera;
 
 /// The whole file.
@@ -131,7 +131,7 @@ fn whole() -> String {
     "whole".to_owned()
 }
 
-/// `[[picture]]`: one PNG.
+/// `[[picture]]`: one PNG, or those of a turntable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PictureEntry {
@@ -150,9 +150,12 @@ pub struct PictureEntry {
     /// Instead of a camera: the direction from which one frames what is shown.
     #[serde(default)]
     pub from: Option<DVec3>,
-    /// Size, background, light.
+    /// Size, background, light, what is seen through.
     #[serde(default)]
     pub render: RenderParams,
+    /// Turns what it shows round once: `NAME-001.png` and so on, and `NAME.png`, an animated PNG of all.
+    #[serde(default)]
+    pub turntable: Option<TurntableParams>,
 }
 
 fn show_whole() -> Vec<String> {

@@ -94,7 +94,8 @@ mod tests {
     use super::*;
 
     fn frame(n: u8, alpha: u8) -> Picture {
-        let rgba = (0..20 * 10).map(|i| [(i % 250) as u8, n, 7, if i % 3 == 0 { alpha } else { 255 }]).collect();
+        let rgba =
+            (0..20 * 10).map(|i| [(i % 250) as u8, n, 7, if i % 3 == 0 { alpha } else { 255 }]).collect();
         Picture { width: 20, height: 10, rgba }
     }
 

@@ -8,11 +8,15 @@ use crate::view::Camera;
 /// The part of the picture that the solids fill.
 pub(super) const FILL: f64 = 0.94;
 
+/// The direction from which a picture frames what it shows where nothing else is said: from the front, the right and a
+/// little above.
+pub const USUAL_FROM: DVec3 = DVec3::new(0.8, -1.0, 0.55);
+
 /// A camera that frames all solids tightly from the front, the right and a little above; z is up.
 /// `aspect` is the picture's width over height. Without any face it frames the unit cube around the origin.
 #[must_use]
 pub fn frame_all(solids: &[Placed<'_>], aspect: f64) -> Camera {
-    frame_all_from(solids, aspect, DVec3::new(0.8, -1.0, 0.55))
+    frame_all_from(solids, aspect, USUAL_FROM)
 }
 
 /// As [`frame_all`], seen from the direction `from` (towards the camera).

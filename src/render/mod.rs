@@ -16,17 +16,17 @@ mod raster;
 mod scene;
 mod show;
 mod surface;
-mod translucent;
-mod turntable;
 #[cfg(test)]
 pub(crate) mod testing;
+mod translucent;
+mod turntable;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-pub use frame::{frame_all, frame_all_from};
+pub use frame::{USUAL_FROM, frame_all, frame_all_from};
 pub use params::{MAX_PICTURE_SIDE, PictureSize, PictureSizeError, RenderParams};
 pub use picture::{Difference, Picture, PictureError};
 pub use show::{Mark, Painted, Show};
@@ -104,7 +104,9 @@ pub enum RenderError {
     #[error("a translucent picture shows the texture inside: leave out `show` and `layer`, or `translucent`")]
     TranslucentShow,
     /// Nothing to see through.
-    #[error("nothing is filled, and only texture is translucent; give a filled model, or leave `translucent` out")]
+    #[error(
+        "nothing is filled, and only texture is translucent; give a filled model, or leave `translucent` out"
+    )]
     NotFilled,
     /// A number of a turntable that is out of its range.
     #[error("turntable: {name} is {value}; it must lie between {least} and {most}")]

@@ -224,7 +224,9 @@ mod tests {
             Placed { solid: &cube, offset: DVec3::ZERO },
         ];
         let turn = TurntableParams { frames: 12, delay_ms: 80 };
-        for (aspect, from) in [(1.0, DVec3::new(0.8, -1.0, 0.55)), (0.5, DVec3::X), (2.0, DVec3::new(0.1, 0.2, 1.0))] {
+        for (aspect, from) in
+            [(1.0, DVec3::new(0.8, -1.0, 0.55)), (0.5, DVec3::X), (2.0, DVec3::new(0.1, 0.2, 1.0))]
+        {
             let first = frame_round(&placed, aspect, from);
             let mut margin = f64::INFINITY;
             for n in 0..turn.frames {

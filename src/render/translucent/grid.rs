@@ -49,7 +49,8 @@ impl Grid {
         // Of flat things, the sides that are hardly there count as a little.
         let volume = extent.max(DVec3::splat(longest / MOST_ALONG)).element_product();
         let side = (volume / MOST_POINTS).cbrt().max(longest / MOST_ALONG);
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // at most MOST_ALONG and the margin
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        // at most MOST_ALONG and the margin
         let size = (extent / side).to_array().map(|n| (n + 2.0 * MARGIN).ceil() as usize + 1);
         let low = low - MARGIN * side;
         let mut density = vec![0.0f32; size.iter().product()];
@@ -252,7 +253,9 @@ mod tests {
     #[test]
     fn light_falls_off_as_it_should() {
         let grid = grid(1.5);
-        for towards in [DVec3::X, DVec3::NEG_Y, DVec3::new(0.48, -0.6, 0.64), DVec3::new(-0.7, 0.1, -0.7).normalize()] {
+        for towards in
+            [DVec3::X, DVec3::NEG_Y, DVec3::new(0.48, -0.6, 0.64), DVec3::new(-0.7, 0.1, -0.7).normalize()]
+        {
             let shadows = grid.shadows(towards);
             for depth in [0.5, 1.0, 1.5] {
                 let lit = f64::from(shadows.at(towards * (1.0 - depth)));

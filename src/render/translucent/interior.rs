@@ -88,7 +88,10 @@ impl<'a> Interior<'a> {
                 let start = cell as f64;
                 let (from, to) = (from.max(start), to.min(start + 1.0));
                 if to > from {
-                    enter(steps, Step { cell, share: to - from, tet: part.tet, at: (start + 0.5).clamp(from, to) });
+                    enter(
+                        steps,
+                        Step { cell, share: to - from, tet: part.tet, at: (start + 0.5).clamp(from, to) },
+                    );
                 }
             }
         }

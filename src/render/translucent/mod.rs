@@ -33,6 +33,9 @@ const OPAQUE: f32 = 1.0 / 512.0;
 /// A change of density over two grid points of this part of the greatest density makes a surface.
 const FULL_CHANGE: f64 = 0.25;
 
+/// How far into matter a ray remembers the side by which it came in, as a part of the solids' size.
+const MEMORY: f32 = 0.03;
+
 /// Solids made ready for translucent pictures.
 pub(super) struct Translucent<'a> {
     params: TranslucentParams,
@@ -56,6 +59,16 @@ struct Ray<'a> {
     first: f64,
     light: &'a Light,
     shadows: &'a Shadows<'a>,
+}
+
+/// What a ray has gone through so far.
+struct Front {
+    /// Its light, premultiplied.
+    sum: [f32; 3],
+    /// The part of the light from behind that comes through.
+    clear: f32,
+    /// Which way the surface looks by which it came in; see [`Translucent::lit`].
+    side: DVec3,
 }
 
 impl<'a> Translucent<'a> {
@@ -114,8 +127,10 @@ impl<'a> Translucent<'a> {
                     let mut sum = [0.0f32; 4];
                     for (n, point) in points.iter().enumerate() {
                         #[allow(clippy::cast_precision_loss)] // at most MAX_PICTURE_SIDE
-                        let (at, size) =
-                            (DVec2::new(x as f64, y as f64) + *point, DVec2::new(width as f64, height as f64));
+                        let (at, size) = (
+                            DVec2::new(x as f64, y as f64) + *point,
+                            DVec2::new(width as f64, height as f64),
+                        );
                         // The rays of a pixel take their samples at different depths: together they see more.
                         #[allow(clippy::cast_precision_loss)] // at most 16
                         let phase = n as f64 / points.len() as f64;
@@ -171,62 +186,58 @@ impl<'a> Translucent<'a> {
 
     /// What is seen along a ray: linear light, premultiplied.
     fn follow(&self, ray: &Ray<'_>, scratch: &mut Scratch) -> LinearRgba {
-        let mut sum = [0.0f32; 3];
-        let mut clear = 1.0f32;
-        let mut pass = |interior: &Interior<'_>, step: &Step| {
-            let (colour, alpha) = self.sample(interior, ray, step);
-            for (s, c) in sum.iter_mut().zip(colour) {
-                *s += clear * alpha * c;
-            }
-            clear *= 1.0 - alpha;
-            clear < OPAQUE
-        };
+        let mut front = Front { sum: [0.0; 3], clear: 1.0, side: DVec3::ZERO };
         if let [one] = &self.interiors[..] {
             one.follow(ray.origin, ray.direction, ray.first, scratch);
-            scratch.steps.iter().any(|step| pass(one, step));
+            scratch.steps.iter().any(|step| self.pass(&mut front, one, ray, step));
         } else {
             // By cells: solids that reach into each other are mixed there.
-            let mut all: Vec<(i64, usize, Step)> = Vec::new();
+            let mut all: Vec<(usize, Step)> = Vec::new();
             for (n, interior) in self.interiors.iter().enumerate() {
                 interior.follow(ray.origin, ray.direction, ray.first, scratch);
-                all.extend(scratch.steps.iter().map(|s| (s.cell, n, *s)));
+                all.extend(scratch.steps.iter().map(|s| (n, *s)));
             }
-            all.sort_by(|a, b| (a.0, a.2.at).partial_cmp(&(b.0, b.2.at)).expect("places are numbers"));
-            all.iter().any(|(_, n, step)| pass(&self.interiors[*n], step));
+            all.sort_by(|(_, a), (_, b)| a.cell.cmp(&b.cell).then(a.at.total_cmp(&b.at)));
+            all.iter().any(|(n, step)| self.pass(&mut front, &self.interiors[*n], ray, step));
         }
-        if clear < OPAQUE {
-            let whole = 1.0 - clear;
-            return [sum[0] / whole, sum[1] / whole, sum[2] / whole, 1.0];
-        }
-        [sum[0], sum[1], sum[2], 1.0 - clear]
+        let ([r, g, b], alpha) = (front.sum, 1.0 - front.clear);
+        if front.clear < OPAQUE { [r / alpha, g / alpha, b / alpha, 1.0] } else { [r, g, b, alpha] }
     }
 
-    /// The lit colour of a cell of a ray, and how much of the light from behind it takes away.
-    fn sample(&self, interior: &Interior<'_>, ray: &Ray<'_>, step: &Step) -> ([f32; 3], f32) {
+    /// Goes through one cell; whether nothing is seen behind it.
+    fn pass(&self, front: &mut Front, interior: &Interior<'_>, ray: &Ray<'_>, step: &Step) -> bool {
         let tet = step.tet as usize;
         let b = interior.barycentric(tet, ray.origin, ray.direction, step.at);
         let colour = interior.solid.colour(tet, b);
-        let density = self.transfer.density(colour);
         #[allow(clippy::cast_possible_truncation)] // in [0, 1]
         let way = ray.cell * step.share as f32;
-        let alpha = 1.0 - (-density * way).exp();
-        if alpha <= 0.0 {
-            return ([0.0; 3], 0.0);
+        let thickness = self.transfer.density(colour) * way;
+        if thickness > 0.0 {
+            let alpha = 1.0 - (-thickness).exp();
+            let lit = self.lit(ray, ray.origin + ray.direction * step.at, &mut front.side);
+            for (s, c) in front.sum.iter_mut().zip(colour) {
+                *s += front.clear * alpha * c * lit;
+            }
+            front.clear *= 1.0 - alpha;
         }
-        let lit = self.lit(ray, ray.origin + ray.direction * step.at);
-        ([colour[0] * lit, colour[1] * lit, colour[2] * lit], alpha)
+        #[allow(clippy::cast_possible_truncation)] // digits enough for light
+        let size = self.size as f32;
+        front.side *= f64::from((-thickness - way / (MEMORY * size)).exp());
+        front.clear < OPAQUE
     }
 
-    /// The part of its own colour that light shows of matter at a point.
-    fn lit(&self, ray: &Ray<'_>, p: DVec3) -> f32 {
+    /// The part of its own colour that light shows of matter at a point. `side` is which way the matter looks that the
+    /// ray is in, the shorter the less that is known; it is brought up to date.
+    fn lit(&self, ray: &Ray<'_>, p: DVec3, side: &mut DVec3) -> f32 {
         let gradient = self.grid.gradient(p);
         let change = gradient.length() * 2.0 * self.grid.side();
         let full = FULL_CHANGE * f64::from(self.transfer.most()).max(f64::MIN_POSITIVE);
         let surface = (change / full).min(1.0);
-        // Where density does not change, matter has no side: it is lit as what faces the eye.
+        // Where density does not change, it is the surface by which the ray came in that is seen in the light, ...
+        *side = -gradient.normalize_or_zero() * surface + *side * (1.0 - surface);
+        // ... and deep within matter has no side: it is lit as what faces the eye.
         let facing = -ray.direction.normalize();
-        let out = -gradient.normalize_or_zero();
-        let normal = (out * surface + facing * (1.0 - surface)).normalize_or(facing);
+        let normal = (*side + facing * (1.0 - side.length()).max(0.0)).normalize_or(facing);
         let shade = self.params.shadow * (1.0 - f64::from(ray.shadows.at(p)));
         #[allow(clippy::cast_possible_truncation)] // in [0, 1]
         let lit = (ray.light.on(normal) * (1.0 - ray.light.shading() * shade)) as f32;

@@ -18,7 +18,13 @@ fn plain(mut solid: LappedSolid, colour: [u8; 4]) -> LappedSolid {
 
 /// All of one density, whatever the colour.
 fn even(density: f64, steps: u32) -> TranslucentParams {
-    TranslucentParams { density, clear: vec![Colour([1, 2, 3, 255])], within: 0.001, steps, ..Default::default() }
+    TranslucentParams {
+        density,
+        clear: vec![Colour([1, 2, 3, 255])],
+        within: 0.001,
+        steps,
+        ..Default::default()
+    }
 }
 
 fn params(translucent: TranslucentParams, side: u32) -> RenderParams {
@@ -70,7 +76,10 @@ fn opacity_of_a_cube_is_that_of_the_chord_at_any_step() {
                 assert!((f64::from(a) - expected).abs() <= 0.51, "{a} {expected} at {x} {y}, {steps} steps");
                 if a > 20 {
                     hit += 1;
-                    assert!([r, g, b].iter().zip(RED).all(|(c, d)| c.abs_diff(d) <= 1), "no light, no change");
+                    assert!(
+                        [r, g, b].iter().zip(RED).all(|(c, d)| c.abs_diff(d) <= 1),
+                        "no light, no change"
+                    );
                 }
             }
         }
@@ -156,7 +165,8 @@ fn light_comes_from_the_upper_left_and_matter_throws_shadows() {
 fn the_eye_may_stand_inside_or_far_away() {
     let cube = plain(testing::cube(3), RED);
     let size = 12f64.sqrt();
-    let inside = Camera { eye: DVec3::new(0.1, 0.2, 0.3), target: DVec3::new(0.1, 5.0, 0.3), ..from(DVec3::X) };
+    let inside =
+        Camera { eye: DVec3::new(0.1, 0.2, 0.3), target: DVec3::new(0.1, 5.0, 0.3), ..from(DVec3::X) };
     let picture = see(&[Placed::from(&cube)], &inside, &params(even(2.0, 50), 9));
     let expected = 255.0 * (1.0 - (-2.0 * 0.8 / size).exp());
     assert!((f64::from(picture.pixel(4, 4)[3]) - expected).abs() <= 0.51);
