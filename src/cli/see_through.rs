@@ -16,7 +16,7 @@ pub(crate) struct SeeThrough {
     translucent: bool,
     /// The same, with the settings of a file: the keys of a project's [picture.render.translucent]
     #[arg(long, value_name = "FILE.toml",
-          conflicts_with_all = ["translucent", "density", "clear", "within", "steps", "shadow"])]
+          conflicts_with_all = ["translucent", "density", "clear", "within", "steps", "shadow", "gloss"])]
     transfer: Option<PathBuf>,
     #[command(flatten)]
     params: TranslucentParams,

@@ -11,7 +11,7 @@ use super::transfer::Transfer;
 use crate::exec::{Cancelled, Exec};
 
 /// The most grid points.
-const MOST_POINTS: f64 = 4e6;
+const MOST_POINTS: f64 = 2e6;
 /// The most along one side.
 const MOST_ALONG: f64 = 320.0;
 /// Empty points around the solids, so that the outside is an edge as any other.
@@ -66,7 +66,7 @@ impl Grid {
                     interior.follow(origin, direction, 0.0, scratch);
                     for step in &scratch.steps {
                         let tet = step.tet as usize;
-                        let b = interior.barycentric(tet, origin, direction, step.at);
+                        let b = interior.along(tet, origin, direction).at(step.at);
                         let found = transfer.density(interior.solid.colour(tet, b));
                         #[allow(clippy::cast_possible_truncation)] // in [0, 1]
                         let share = step.share as f32;

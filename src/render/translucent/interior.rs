@@ -142,15 +142,32 @@ impl<'a> Interior<'a> {
         (if outward { normal } else { -normal }, p)
     }
 
-    /// The barycentric coordinates of a place along a ray in a tetrahedron: none negative, sum 1.
-    pub(super) fn barycentric(&self, t: usize, origin: DVec3, direction: DVec3, at: f64) -> [f32; 4] {
-        let p = origin - self.offset + direction * at;
+    /// The barycentric coordinates along a ray in a tetrahedron.
+    pub(super) fn along(&self, t: usize, origin: DVec3, direction: DVec3) -> Along {
         let corners = self.solid.mesh.corners(t);
-        let w: [f64; 4] = std::array::from_fn(|k| {
-            let [a, b, c] = TET_FACES[k].map(|i| corners[i]);
-            // Six times the volume below the face that lies opposite.
-            (b - a).cross(c - a).dot(a - p).max(0.0)
+        let p = origin - self.offset;
+        // Six times the volume below each face, and how it changes.
+        let normals = TET_FACES.map(|face| {
+            let [a, b, c] = face.map(|i| corners[i]);
+            (a, (b - a).cross(c - a))
         });
+        Along {
+            start: normals.map(|(a, normal)| normal.dot(a - p)),
+            slope: normals.map(|(_, normal)| -normal.dot(direction)),
+        }
+    }
+}
+
+/// Barycentric coordinates as linear functions of the way along a ray, but for a common factor.
+pub(super) struct Along {
+    start: [f64; 4],
+    slope: [f64; 4],
+}
+
+impl Along {
+    /// The barycentric coordinates at a place: none negative, sum 1.
+    pub(super) fn at(&self, way: f64) -> [f32; 4] {
+        let w: [f64; 4] = std::array::from_fn(|k| (self.start[k] + self.slope[k] * way).max(0.0));
         let sum: f64 = w.iter().sum();
         #[allow(clippy::cast_possible_truncation)] // in [0, 1]
         let w = w.map(|w| if sum > 0.0 { (w / sum) as f32 } else { 0.25 });
@@ -203,7 +220,7 @@ mod tests {
             assert!(scratch.steps.windows(2).all(|w| w[0].cell + 1 == w[1].cell), "no gap, no double");
             assert!(scratch.steps.iter().all(|s| s.share <= 1.0 + 1e-9));
             for step in &scratch.steps {
-                let b = interior.barycentric(step.tet as usize, origin, direction, step.at);
+                let b = interior.along(step.tet as usize, origin, direction).at(step.at);
                 let corners = ball.mesh.corners(step.tet as usize);
                 let p: DVec3 = corners.iter().zip(b).map(|(c, b)| *c * f64::from(b)).sum();
                 assert!((p + DVec3::X * 5.0 - (origin + direction * step.at)).length() < 1e-6);

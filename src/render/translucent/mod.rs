@@ -24,7 +24,7 @@ use crate::colour::{LinearRgba, decode, encode};
 use crate::exec::{Cancelled, Exec};
 use crate::view::Projection;
 use grid::{Grid, Shadows};
-use interior::{Interior, Scratch, Step};
+use interior::{Along, Interior, Scratch, Step};
 use transfer::Transfer;
 
 /// From here on nothing behind is seen: less than a step of an 8-bit channel.
@@ -35,6 +35,9 @@ const FULL_CHANGE: f64 = 0.25;
 
 /// How far into matter a ray remembers the side by which it came in, as a part of the solids' size.
 const MEMORY: f32 = 0.03;
+
+/// How small the highlight on a shining surface is.
+const SHARPNESS: i32 = 18;
 
 /// Solids made ready for translucent pictures.
 pub(super) struct Translucent<'a> {
@@ -69,6 +72,8 @@ struct Front {
     clear: f32,
     /// Which way the surface looks by which it came in; see [`Translucent::lit`].
     side: DVec3,
+    /// The solid and the tetrahedron that it is in, and its way through that.
+    tet: Option<(usize, u32, Along)>,
 }
 
 impl<'a> Translucent<'a> {
@@ -186,10 +191,10 @@ impl<'a> Translucent<'a> {
 
     /// What is seen along a ray: linear light, premultiplied.
     fn follow(&self, ray: &Ray<'_>, scratch: &mut Scratch) -> LinearRgba {
-        let mut front = Front { sum: [0.0; 3], clear: 1.0, side: DVec3::ZERO };
+        let mut front = Front { sum: [0.0; 3], clear: 1.0, side: DVec3::ZERO, tet: None };
         if let [one] = &self.interiors[..] {
             one.follow(ray.origin, ray.direction, ray.first, scratch);
-            scratch.steps.iter().any(|step| self.pass(&mut front, one, ray, step));
+            scratch.steps.iter().any(|step| self.pass(&mut front, (0, one), ray, step));
         } else {
             // By cells: solids that reach into each other are mixed there.
             let mut all: Vec<(usize, Step)> = Vec::new();
@@ -198,25 +203,36 @@ impl<'a> Translucent<'a> {
                 all.extend(scratch.steps.iter().map(|s| (n, *s)));
             }
             all.sort_by(|(_, a), (_, b)| a.cell.cmp(&b.cell).then(a.at.total_cmp(&b.at)));
-            all.iter().any(|(n, step)| self.pass(&mut front, &self.interiors[*n], ray, step));
+            all.iter().any(|(n, step)| self.pass(&mut front, (*n, &self.interiors[*n]), ray, step));
         }
         let ([r, g, b], alpha) = (front.sum, 1.0 - front.clear);
         if front.clear < OPAQUE { [r / alpha, g / alpha, b / alpha, 1.0] } else { [r, g, b, alpha] }
     }
 
     /// Goes through one cell; whether nothing is seen behind it.
-    fn pass(&self, front: &mut Front, interior: &Interior<'_>, ray: &Ray<'_>, step: &Step) -> bool {
+    fn pass(
+        &self,
+        front: &mut Front,
+        (n, interior): (usize, &Interior<'_>),
+        ray: &Ray<'_>,
+        step: &Step,
+    ) -> bool {
         let tet = step.tet as usize;
-        let b = interior.barycentric(tet, ray.origin, ray.direction, step.at);
-        let colour = interior.solid.colour(tet, b);
+        let along = match &mut front.tet {
+            // A ray stays in a tetrahedron for many cells.
+            Some((of, at, along)) if (*of, *at) == (n, step.tet) => along,
+            other => &mut other.insert((n, step.tet, interior.along(tet, ray.origin, ray.direction))).2,
+        };
+        let colour = interior.solid.colour(tet, along.at(step.at));
         #[allow(clippy::cast_possible_truncation)] // in [0, 1]
         let way = ray.cell * step.share as f32;
         let thickness = self.transfer.density(colour) * way;
         if thickness > 0.0 {
             let alpha = 1.0 - (-thickness).exp();
-            let lit = self.lit(ray, ray.origin + ray.direction * step.at, &mut front.side);
+            let (lit, shine) = self.lit(ray, ray.origin + ray.direction * step.at, &mut front.side);
             for (s, c) in front.sum.iter_mut().zip(colour) {
-                *s += front.clear * alpha * c * lit;
+                // Never more than white.
+                *s += front.clear * alpha * (c * lit + shine).min(1.0);
             }
             front.clear *= 1.0 - alpha;
         }
@@ -226,9 +242,10 @@ impl<'a> Translucent<'a> {
         front.clear < OPAQUE
     }
 
-    /// The part of its own colour that light shows of matter at a point. `side` is which way the matter looks that the
+    /// The part of its own colour that light shows of matter at a point, and what the light adds in white where its surface
+    /// shines. `side` is which way the matter looks that the
     /// ray is in, the shorter the less that is known; it is brought up to date.
-    fn lit(&self, ray: &Ray<'_>, p: DVec3, side: &mut DVec3) -> f32 {
+    fn lit(&self, ray: &Ray<'_>, p: DVec3, side: &mut DVec3) -> (f32, f32) {
         let gradient = self.grid.gradient(p);
         let change = gradient.length() * 2.0 * self.grid.side();
         let full = FULL_CHANGE * f64::from(self.transfer.most()).max(f64::MIN_POSITIVE);
@@ -238,10 +255,15 @@ impl<'a> Translucent<'a> {
         // ... and deep within matter has no side: it is lit as what faces the eye.
         let facing = -ray.direction.normalize();
         let normal = (*side + facing * (1.0 - side.length()).max(0.0)).normalize_or(facing);
-        let shade = self.params.shadow * (1.0 - f64::from(ray.shadows.at(p)));
+        let reached = f64::from(ray.shadows.at(p));
+        let shading = ray.light.shading();
+        let lit = ray.light.on(normal) * (1.0 - shading * self.params.shadow * (1.0 - reached));
+        let half = (ray.light.towards() + facing).normalize_or_zero();
+        let mirror = side.normalize_or_zero().dot(half).max(0.0).powi(SHARPNESS);
+        let shine = self.params.gloss * shading * side.length_squared() * mirror * reached;
         #[allow(clippy::cast_possible_truncation)] // in [0, 1]
-        let lit = (ray.light.on(normal) * (1.0 - ray.light.shading() * shade)) as f32;
-        lit
+        let both = (lit as f32, shine as f32);
+        both
     }
 }
 

@@ -17,8 +17,8 @@ const WITHIN: f64 = 0.12;
 /// diagonal of the box around the solids: so a setting suits a model of any unit, and the step changes no opacity.
 /// The exemplar's own alpha multiplies the density.
 ///
-/// Without [`Self::clear`] and [`Self::rule`], what is darker or more colourful than the solid textures are on
-/// average is dense, and the rest clear.
+/// Without [`Self::clear`] and [`Self::rule`], what is clearly darker or more colourful than the solid textures are
+/// on average is dense, and the rest clear.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, clap::Args)]
 #[serde(deny_unknown_fields, default)]
 pub struct TranslucentParams {
@@ -46,6 +46,10 @@ pub struct TranslucentParams {
     #[arg(long, value_name = "PART", allow_negative_numbers = true, requires = "translucent",
           default_value_t = TranslucentParams::default().shadow)]
     pub shadow: f64,
+    /// With --translucent: how much surfaces of dense matter shine, 0 to 1
+    #[arg(long, value_name = "PART", allow_negative_numbers = true, requires = "translucent",
+          default_value_t = TranslucentParams::default().gloss)]
+    pub gloss: f64,
 }
 
 /// The density of one colour.
@@ -67,7 +71,15 @@ fn within() -> f64 {
 
 impl Default for TranslucentParams {
     fn default() -> Self {
-        Self { density: 60.0, clear: Vec::new(), within: WITHIN, rule: Vec::new(), steps: 400, shadow: 0.6 }
+        Self {
+            density: 100.0,
+            clear: Vec::new(),
+            within: WITHIN,
+            rule: Vec::new(),
+            steps: 256,
+            shadow: 0.45,
+            gloss: 0.3,
+        }
     }
 }
 
@@ -85,6 +97,7 @@ impl TranslucentParams {
             ("within", self.within, 1e-3, 2.0),
             ("steps", f64::from(self.steps), 16.0, 4096.0),
             ("shadow", self.shadow, 0.0, 1.0),
+            ("gloss", self.gloss, 0.0, 1.0),
         ];
         for (name, value, least, most) in own.into_iter().chain(rules) {
             if !(least..=most).contains(&value) {

@@ -149,7 +149,7 @@ fn light_comes_from_the_upper_left_and_matter_throws_shadows() {
     let ball = plain(testing::ball(8), [180, 180, 180, 255]);
     let settings = |shading, shadow| RenderParams {
         shading,
-        ..params(TranslucentParams { shadow, ..even(40.0, 200) }, 64)
+        ..params(TranslucentParams { shadow, gloss: 0.0, ..even(40.0, 200) }, 64)
     };
     let camera = Camera { fov_y_deg: 16.0, ..from(DVec3::new(0.0, -9.0, 0.0)) };
     let lit = see(&[Placed::from(&ball)], &camera, &settings(1.0, 0.0));

@@ -10,6 +10,9 @@ const LOOKED_AT: usize = 1 << 16;
 /// Textures whose colours stand out by less than this in Oklab are dense all over.
 const PLAIN: f32 = 0.01;
 
+/// From how many standard deviations above the mean on something is wholly dense. Less lets too little be seen through.
+const DENSE: f32 = 1.5;
+
 /// The transfer of one picture.
 pub(super) struct Transfer {
     /// Of what no rule names, in one over the mesh's unit.
@@ -68,7 +71,7 @@ impl Transfer {
             density += (1.0 - smooth(2.0 * far - 1.0)) * (rule.density - density);
         }
         if let Some(usual) = &self.usual {
-            density *= smooth(0.5 + (stands_out(lab) - usual.mean) / (2.0 * usual.spread));
+            density *= smooth((stands_out(lab) - usual.mean) / (DENSE * usual.spread));
         }
         density * alpha
     }
