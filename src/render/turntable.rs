@@ -147,8 +147,6 @@ impl<'a> Turntable<'a> {
 /// As [`frame_all_from`](super::frame_all_from), far enough away for everything to be seen all the way round.
 #[must_use]
 pub fn frame_round(solids: &[Placed<'_>], aspect: f64, from: DVec3) -> Camera {
-    /// How finely the turn is looked at.
-    const TURNS: u32 = 64;
     let points = boundary_points(solids);
     let (low, high) = points
         .iter()
@@ -161,23 +159,31 @@ pub fn frame_round(solids: &[Placed<'_>], aspect: f64, from: DVec3) -> Camera {
     let axis = camera.up.normalize_or(DVec3::Z);
     let half_y = (camera.fov_y_deg.to_radians() * 0.5).tan() * FILL;
     let half = DVec2::new(half_y * aspect, half_y);
-    // Every point all the way round, along right, up and forward from the middle of the box.
-    let turns: Vec<DQuat> =
-        (0..TURNS).map(|n| DQuat::from_axis_angle(axis, TAU * f64::from(n) / f64::from(TURNS))).collect();
-    let seen = |turn: &DQuat, p: &DVec3| {
-        let v = *turn * (*p - camera.target);
-        DVec3::new(v.dot(view.right), v.dot(view.up), v.dot(view.forward))
-    };
-    let round: Vec<DVec3> = turns.iter().flat_map(|t| points.iter().map(|p| seen(t, p))).collect();
-    // The target moves along the axis only, until there is as much room above as below.
-    let step = DVec2::new(axis.dot(view.up), axis.dot(view.forward));
+    // Each point goes round on a circle about the axis: its height, and the circle's radius.
+    let circles: Vec<DVec2> = points
+        .iter()
+        .map(|p| {
+            let v = *p - camera.target;
+            let height = v.dot(axis);
+            DVec2::new(height, (v - axis * height).length())
+        })
+        .collect();
+    // Up and forward are each a part along the axis and a part towards the back, across it; right lies across both.
+    let back = (view.forward - axis * view.forward.dot(axis)).normalize_or_zero();
+    let (up, forward) = (
+        DVec2::new(view.up.dot(axis), view.up.dot(back)),
+        DVec2::new(view.forward.dot(axis), view.forward.dot(back)),
+    );
+    // How far away the eye must be for the whole circles to be seen above, below and beside; the target moves along the
+    // axis only, until there is as much room above as below.
+    let (rise, sink) = (up / half.y - forward, -up / half.y - forward);
     let near = |raise: f64| {
         let (mut above, mut below, mut beside) = (0.0f64, 0.0f64, 0.0f64);
-        for p in &round {
-            let (y, z) = (p.y - raise * step.x, p.z - raise * step.y);
-            beside = beside.max(p.x.abs() / half.x - z);
-            above = above.max(y / half.y - z);
-            below = below.max(-y / half.y - z);
+        for circle in &circles {
+            let (height, radius) = (circle.x - raise, circle.y);
+            above = above.max(height * rise.x + radius * rise.y.abs());
+            below = below.max(height * sink.x + radius * sink.y.abs());
+            beside = beside.max(radius * half.x.recip().hypot(forward.y) - height * forward.x);
         }
         (above, below, beside)
     };
