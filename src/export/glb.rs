@@ -7,7 +7,7 @@ use super::textured::Textured;
 use super::{AtlasParams, ExportError, single};
 use crate::exec::Exec;
 use crate::lap::LappedSolid;
-use crate::render::Surface;
+use crate::render::{DisplaceParams, Shell, Surface};
 
 /// A lapped solid as a GLB file: one mesh with normals and texture coordinates, one material, one atlas baked
 /// as PNG; outside and cut faces alike, in the mesh's own axes and units.

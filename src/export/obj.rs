@@ -7,7 +7,7 @@ use super::{AtlasParams, ExportError};
 use crate::exec::Exec;
 use crate::lap::LappedSolid;
 use crate::mesh::Shortest;
-use crate::render::Surface;
+use crate::render::{DisplaceParams, Shell, Surface};
 
 /// The three files of an OBJ.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -32,6 +32,7 @@ pub fn obj(
     solid: &LappedSolid,
     names: [&str; 2],
     params: &AtlasParams,
+    displace: &DisplaceParams,
     exec: &Exec,
 ) -> Result<ObjFiles, ExportError> {
     let [mtl_name, atlas_name] = names;

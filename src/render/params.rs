@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::{DisplaceParams, RenderError, Show};
+use super::{DisplaceParams, RenderError, Show, TranslucentParams};
 use crate::colour::Colour;
 use crate::lap::TextureType;
 
@@ -49,6 +49,11 @@ pub struct RenderParams {
     /// How finely a displaced surface is divided.
     #[command(flatten)]
     pub displace: DisplaceParams,
+    /// Shows the inside through matter that is more or less clear, instead of the outside. On the command line
+    /// `--translucent` asks for it.
+    #[arg(skip)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub translucent: Option<TranslucentParams>,
 }
 
 impl Default for RenderParams {
@@ -64,6 +69,7 @@ impl Default for RenderParams {
             light_elevation_deg: 36.0,
             shading: 1.0,
             displace: DisplaceParams::default(),
+            translucent: None,
         }
     }
 }
@@ -92,6 +98,12 @@ impl RenderParams {
         }
         if let Some((name, value, range)) = self.displace.fault() {
             return Err(RenderError::Displace { name, value, range });
+        }
+        if let Some(translucent) = &self.translucent {
+            if self.show != Show::Texture || self.layer.is_some() {
+                return Err(RenderError::TranslucentShow);
+            }
+            translucent.validate()?;
         }
         match self.layer {
             Some(layer) if !(0.0..=1.0).contains(&layer) => Err(RenderError::Layer(layer)),
