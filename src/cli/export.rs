@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use lapis::export::{AtlasParams, ExportFormat, PlyParams, export};
 use lapis::project::{OutputFile, Report};
+use lapis::render::DisplaceParams;
 
 use super::failure::Failure;
 use super::options::Shared;
@@ -25,6 +26,8 @@ pub(crate) struct Args {
     #[command(flatten)]
     ply: PlyParams,
     #[command(flatten)]
+    displace: DisplaceParams,
+    #[command(flatten)]
     shared: Shared,
 }
 
@@ -40,6 +43,9 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
     args.shared.run(|session| {
         let format = format(&args.output)?;
         args.atlas.validate().map_err(|e| Failure::usage(e.to_string()))?;
+        if let Some((name, value, range)) = args.displace.fault() {
+            return Err(Failure::usage(format!("--displace-{name} {value}: {range}")));
+        }
         let stem = args.output.file_stem().and_then(|s| s.to_str()).ok_or_else(|| {
             Failure::usage(format!("the name '{}' is not UTF-8; choose another", args.output.display()))
         })?;
@@ -54,7 +60,7 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
         let solid = read_model(&args.model)?;
         report.took("read", start);
         let start = Instant::now();
-        let files = export(&solid, format, stem, &args.atlas, &args.ply, session.exec())
+        let files = export(&solid, format, stem, &args.atlas, &args.ply, &args.displace, session.exec())
             .map_err(Failure::because(format!("cannot export {}", args.model.display())))?;
         report.took("export", start);
         session.exec().check()?;

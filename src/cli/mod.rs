@@ -16,8 +16,10 @@ mod photographs;
 mod progress;
 mod render;
 mod run;
+mod see_through;
 mod synthesise;
 mod tetrahedralise;
+mod turn;
 mod unroll;
 mod values;
 

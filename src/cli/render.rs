@@ -11,13 +11,17 @@ use lapis::project::{
     MadePart, Model, Models, OutputFile, PartMesh, Project, Report, apart, fill_parts, is_tet_file, of_parts,
     painted_parts, tet_mesh,
 };
-use lapis::render::{PictureSize, RenderParams, Show, frame_all, frame_all_from, render};
-use lapis::view::read_camera;
+use lapis::render::{
+    PictureSize, Placed, RenderParams, Show, USUAL_FROM, frame_all, frame_all_from, frame_round, render,
+};
+use lapis::view::{Camera, read_camera};
 
 use super::failure::Failure;
 use super::options::{Session, Shared};
 use super::outputs;
 use super::read_model;
+use super::see_through::SeeThrough;
+use super::turn::Turn;
 use super::values;
 
 /// `lapis render MODEL … -o PICTURE.png`
@@ -26,7 +30,7 @@ pub(crate) struct Args {
     /// Filled models; or one project file, drawn as it is painted; or one mesh, to draw strokes over
     #[arg(value_name = "MODEL.lapis|PROJECT.toml|MESH", required = true)]
     models: Vec<PathBuf>,
-    /// The picture
+    /// The picture; with --turntable, the animation, and its frames beside it
     #[arg(long, short, value_name = "PICTURE.png")]
     output: PathBuf,
     /// Of a project: a piece CUT/N, or all pieces of CUT, instead of the whole; may be given again
@@ -51,6 +55,10 @@ pub(crate) struct Args {
     #[command(flatten)]
     params: RenderParams,
     #[command(flatten)]
+    see_through: SeeThrough,
+    #[command(flatten)]
+    turn: Turn,
+    #[command(flatten)]
     shared: Shared,
 }
 
@@ -70,8 +78,11 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
             let width = width as u32;
             params.width = width;
         }
+        params.translucent = args.see_through.params()?;
         params.validate().map_err(|e| Failure::usage(e.to_string()))?;
+        let turn = args.turn.params()?;
         let output = OutputFile::check(&args.output, args.shared.force)?;
+        let frames = turn.map(|turn| args.turn.frames(turn, &output, args.shared.force)).transpose()?;
 
         let Subject { solids, mut report } = subject(args, &params, session)?;
         let start = Instant::now();
@@ -83,22 +94,33 @@ pub(crate) fn main(args: &Args) -> Result<(), Failure> {
             )));
         }
         let placed = apart(&solids.iter().map(|s| &**s).collect::<Vec<_>>(), args.apart);
-        let aspect = f64::from(params.width) / f64::from(params.height);
-        let camera = camera.unwrap_or_else(|| match args.from {
-            Some(from) => frame_all_from(&placed, aspect, from),
-            None => frame_all(&placed, aspect),
-        });
-        let picture = render(&placed, &camera, &params, session.exec())
-            .map_err(Failure::because("cannot draw the picture"))?;
-        report.took("render", start);
-        session.exec().check()?;
-        output.write(&picture.to_png())?;
-        report.output(output.path(), "picture");
+        let camera = camera.unwrap_or_else(|| framing(args, &placed, &params));
+        if let Some(frames) = frames {
+            frames.draw(&placed, &camera, &params, session.exec(), &mut report)?;
+            report.took("render", start);
+        } else {
+            let picture = render(&placed, &camera, &params, session.exec())
+                .map_err(Failure::because("cannot draw the picture"))?;
+            report.took("render", start);
+            session.exec().check()?;
+            output.write(&picture.to_png())?;
+            report.output(output.path(), "picture");
+        }
         report.count("models", solids.len());
         report.count("width", params.width as usize);
         report.count("height", params.height as usize);
         session.finish(report)
     })
+}
+
+/// A camera that frames what is drawn, all the way round where it turns.
+fn framing(args: &Args, placed: &[Placed<'_>], params: &RenderParams) -> Camera {
+    let aspect = f64::from(params.width) / f64::from(params.height);
+    match (args.from, args.turn.is_asked()) {
+        (from, true) => frame_round(placed, aspect, from.unwrap_or(USUAL_FROM)),
+        (Some(from), false) => frame_all_from(placed, aspect, from),
+        (None, false) => frame_all(placed, aspect),
+    }
 }
 
 /// What is drawn.
@@ -165,6 +187,11 @@ fn project(path: &Path, args: &Args, params: &RenderParams, session: &Session) -
 /// A mesh with nothing painted on it.
 fn mesh(path: &Path, params: &RenderParams, session: &Session) -> Result<Subject, Failure> {
     let show = params.show;
+    if params.translucent.is_some() {
+        return Err(Failure::usage(
+            "--translucent: a mesh has nothing inside; fill it (lapis fill), and draw the .lapis model",
+        ));
+    }
     if show != Show::Texture || params.layer.is_some() {
         let option = if show == Show::Texture { "--layer".to_owned() } else { format!("--show {show}") };
         return Err(Failure::usage(format!(

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{AtlasParams, ExportError, PlyParams, glb, obj, ply, stl, vtu};
 use crate::exec::Exec;
 use crate::lap::LappedSolid;
+use crate::render::DisplaceParams;
 
 /// A format that models are exported to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -71,17 +72,18 @@ pub fn export(
     stem: &str,
     atlas: &AtlasParams,
     points: &PlyParams,
+    displace: &DisplaceParams,
     exec: &Exec,
 ) -> Result<Vec<ExportedFile>, ExportError> {
     let names = format.file_names(stem);
     let files = match format {
-        ExportFormat::Glb => vec![("glb", glb(solid, atlas, exec)?)],
+        ExportFormat::Glb => vec![("glb", glb(solid, atlas, displace, exec)?)],
         ExportFormat::Obj => {
-            let made = obj(solid, [&names[1], &names[2]], atlas, exec)?;
+            let made = obj(solid, [&names[1], &names[2]], atlas, displace, exec)?;
             vec![("obj", made.obj), ("mtl", made.mtl), ("atlas", made.atlas)]
         }
-        ExportFormat::Ply => vec![("ply", ply(solid, points, exec)?)],
-        ExportFormat::Stl => vec![("stl", stl(solid, exec)?)],
+        ExportFormat::Ply => vec![("ply", ply(solid, points, displace, exec)?)],
+        ExportFormat::Stl => vec![("stl", stl(solid, displace, exec)?)],
         ExportFormat::Vtu => vec![("vtu", vtu(solid, exec)?)],
     };
     let named = names.into_iter().zip(files);

@@ -7,7 +7,7 @@ use super::textured::Textured;
 use super::{AtlasParams, ExportError, single};
 use crate::exec::Exec;
 use crate::lap::LappedSolid;
-use crate::render::Surface;
+use crate::render::{DisplaceParams, Shell, Surface};
 
 /// A lapped solid as a GLB file: one mesh with normals and texture coordinates, one material, one atlas baked
 /// as PNG; outside and cut faces alike, in the mesh's own axes and units.
@@ -17,19 +17,25 @@ use crate::render::Surface;
 /// # Errors
 /// [`ExportError`]: bad settings, no surface, coordinates out of reach, more charts than the atlas holds,
 /// more than 4 GiB, cancelled.
-pub fn glb(solid: &LappedSolid, params: &AtlasParams, exec: &Exec) -> Result<Vec<u8>, ExportError> {
+pub fn glb(
+    solid: &LappedSolid,
+    params: &AtlasParams,
+    displace: &DisplaceParams,
+    exec: &Exec,
+) -> Result<Vec<u8>, ExportError> {
     let surface = Surface::new(solid);
     // The quick check before the long work.
-    let places = surface
+    let shell = Shell::new(&surface, displace, exec)?;
+    let places = shell
         .points
         .iter()
-        .map(|p| single(p.vertex, solid.mesh.vertices[p.vertex as usize]))
+        .map(|p| single(p.vertex, shell.places[p.vertex as usize]))
         .collect::<Result<Vec<_>, _>>()?;
-    let textured = Textured::new(&surface, params, exec)?;
+    let textured = Textured::new(&surface, &shell, params, exec)?;
     let at = |p: &u32| *p as usize;
     let positions: Vec<[f32; 3]> = textured.points.iter().map(|p| places[at(p)]).collect();
     let normals: Vec<[f32; 3]> =
-        textured.points.iter().map(|p| surface.points[at(p)].normal.as_vec3().to_array()).collect();
+        textured.points.iter().map(|p| shell.points[at(p)].normal.as_vec3().to_array()).collect();
     let uvs: Vec<[f32; 2]> = textured.uv.iter().map(|uv| uv.as_vec2().to_array()).collect();
 
     let mut buffer = Buffer::default();

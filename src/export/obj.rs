@@ -7,7 +7,7 @@ use super::{AtlasParams, ExportError};
 use crate::exec::Exec;
 use crate::lap::LappedSolid;
 use crate::mesh::Shortest;
-use crate::render::Surface;
+use crate::render::{DisplaceParams, Shell, Surface};
 
 /// The three files of an OBJ.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -32,6 +32,7 @@ pub fn obj(
     solid: &LappedSolid,
     names: [&str; 2],
     params: &AtlasParams,
+    displace: &DisplaceParams,
     exec: &Exec,
 ) -> Result<ObjFiles, ExportError> {
     let [mtl_name, atlas_name] = names;
@@ -39,22 +40,23 @@ pub fn obj(
         return Err(ExportError::Name(bad.to_owned()));
     }
     let surface = Surface::new(solid);
-    let textured = Textured::new(&surface, params, exec)?;
+    let shell = Shell::new(&surface, displace, exec)?;
+    let textured = Textured::new(&surface, &shell, params, exec)?;
     // A name in an OBJ ends at white space.
     let name = params.name.as_deref().unwrap_or("lapis");
     let name: String =
         name.chars().map(|c| if c.is_whitespace() || c.is_control() { '_' } else { c }).collect();
 
     // Only vertices that the surface has.
-    let mut number = vec![0usize; solid.mesh.vertices.len()];
+    let mut number = vec![0usize; shell.places.len()];
     let mut text = format!("# made by lapis\nmtllib {mtl_name}\no {name}\n");
     let mut count = 0;
-    for p in &surface.points {
+    for p in &shell.points {
         let v = p.vertex as usize;
         if number[v] == 0 {
             count += 1;
             number[v] = count;
-            let p = solid.mesh.vertices[v];
+            let p = shell.places[v];
             // Writing to a string cannot fail.
             let _ = writeln!(text, "v {} {} {}", Shortest(p.x), Shortest(p.y), Shortest(p.z));
         }
@@ -64,16 +66,16 @@ pub fn obj(
         // OBJ's v runs up from the picture's bottom. A millionth is a hundredth of a texel.
         let _ = writeln!(text, "vt {:.6} {:.6}", uv.x, 1.0 - uv.y);
     }
-    for p in &surface.points {
+    for p in &shell.points {
         let n = p.normal;
         let _ = writeln!(text, "vn {:.5} {:.5} {:.5}", n.x, n.y, n.z);
     }
     exec.check()?;
     let _ = writeln!(text, "usemtl {name}");
-    for (points, vertices) in surface.faces.iter().zip(&textured.faces) {
+    for (points, vertices) in shell.faces.iter().zip(&textured.faces) {
         text.push('f');
         for (p, v) in points.iter().zip(vertices) {
-            let place = number[surface.points[*p as usize].vertex as usize];
+            let place = number[shell.points[*p as usize].vertex as usize];
             let _ = write!(text, " {place}/{}/{}", u64::from(*v) + 1, u64::from(*p) + 1);
         }
         text.push('\n');

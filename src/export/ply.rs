@@ -11,7 +11,7 @@ use crate::colour::encode;
 use crate::exec::{Cancelled, Exec};
 use crate::lap::LappedSolid;
 use crate::mesh::index;
-use crate::render::Surface;
+use crate::render::{DisplaceParams, Shell, Surface};
 
 /// The most faces of a PLY after splitting.
 pub const MAX_PLY_FACES: u64 = 1 << 26;
@@ -25,7 +25,7 @@ pub struct PlyParams {
     pub subdivide: u32,
 }
 
-/// A vertex of the file: its place on the surface.
+/// A vertex of the file: its place on the shell.
 #[derive(Clone, Copy)]
 struct Vertex {
     face: u32,
@@ -38,9 +38,15 @@ struct Vertex {
 ///
 /// # Errors
 /// [`ExportError`]: no surface, coordinates out of reach, too many faces, cancelled.
-pub fn ply(solid: &LappedSolid, params: &PlyParams, exec: &Exec) -> Result<Vec<u8>, ExportError> {
+pub fn ply(
+    solid: &LappedSolid,
+    params: &PlyParams,
+    displace: &DisplaceParams,
+    exec: &Exec,
+) -> Result<Vec<u8>, ExportError> {
     let surface = Surface::new(solid);
-    let faces = surface.faces.len();
+    let shell = Shell::new(&surface, displace, exec)?;
+    let faces = shell.faces.len();
     if faces == 0 {
         return Err(ExportError::Empty);
     }
@@ -49,10 +55,10 @@ pub fn ply(solid: &LappedSolid, params: &PlyParams, exec: &Exec) -> Result<Vec<u
     if split.is_none_or(|n| n > MAX_PLY_FACES) {
         return Err(ExportError::TooManyFaces { faces, subdivide: level });
     }
-    let (vertices, triangles) = subdivide(&surface, 1 << level, exec)?;
+    let (vertices, triangles) = subdivide(&shell, 1 << level, exec)?;
 
     let records: Vec<[u8; 28]> = exec.install(|| {
-        vertices.par_iter().map(|v| record(&surface, v, exec)).collect::<Result<_, ExportError>>()
+        vertices.par_iter().map(|v| record(&surface, &shell, v, exec)).collect::<Result<_, ExportError>>()
     })?;
     let header = format!(
         "ply\nformat binary_little_endian 1.0\ncomment made by lapis\n\
@@ -74,16 +80,17 @@ pub fn ply(solid: &LappedSolid, params: &PlyParams, exec: &Exec) -> Result<Vec<u
     Ok(file)
 }
 
-fn record(surface: &Surface<'_>, v: &Vertex, exec: &Exec) -> Result<[u8; 28], ExportError> {
+fn record(surface: &Surface<'_>, shell: &Shell, v: &Vertex, exec: &Exec) -> Result<[u8; 28], ExportError> {
     exec.check()?;
     let f = v.face as usize;
     let blend = |values: [DVec3; 3]| values.iter().zip(v.barycentric).map(|(p, w)| *p * w).sum::<DVec3>();
-    let first = surface.points[surface.faces[f][0] as usize].vertex;
-    let position = single(first, blend(surface.corners(f)))?;
-    let normals = surface.normals(f);
+    let first = shell.points[shell.faces[f][0] as usize].vertex;
+    let position = single(first, blend(shell.corners(f)))?;
+    let normals = shell.normals(f);
     let normal = blend(normals).normalize_or(normals[0]).as_vec3().to_array();
+    let parent = &shell.parents[f];
     #[allow(clippy::cast_possible_truncation)] // weights in [0, 1]
-    let colour = encode(surface.colour(f, v.barycentric.map(|w| w as f32)));
+    let colour = encode(surface.colour(parent.face as usize, parent.weights(v.barycentric).map(|w| w as f32)));
     let mut bytes = [0; 28];
     for (out, value) in bytes.chunks_exact_mut(4).zip(position.into_iter().chain(normal)) {
         out.copy_from_slice(&value.to_le_bytes());
@@ -93,15 +100,15 @@ fn record(surface: &Surface<'_>, v: &Vertex, exec: &Exec) -> Result<[u8; 28], Ex
 }
 
 /// Splits every edge into `n` parts; faces that share both points of an edge share its new vertices.
-fn subdivide(surface: &Surface<'_>, n: u32, exec: &Exec) -> Result<(Vec<Vertex>, Vec<[u32; 3]>), Cancelled> {
+fn subdivide(shell: &Shell, n: u32, exec: &Exec) -> Result<(Vec<Vertex>, Vec<[u32; 3]>), Cancelled> {
     let mut vertices: Vec<Vertex> = Vec::new();
     let mut triangles = Vec::new();
-    let mut corners: Vec<Option<u32>> = vec![None; surface.points.len()];
+    let mut corners: Vec<Option<u32>> = vec![None; shell.points.len()];
     // The first of the n − 1 vertices along an edge, counted from its smaller point.
     let mut edges: BTreeMap<[u32; 2], u32> = BTreeMap::new();
     let mut grid = vec![0u32; ((n + 1) * (n + 1)) as usize];
     let at = |i: u32, j: u32| (j * (n + 1) + i) as usize;
-    for (f, face) in surface.faces.iter().enumerate() {
+    for (f, face) in shell.faces.iter().enumerate() {
         exec.check()?;
         let place = |i: u32, j: u32| {
             let (i, j, n) = (f64::from(i), f64::from(j), f64::from(n));

@@ -3,6 +3,7 @@
 use super::{ExportError, single};
 use crate::exec::Exec;
 use crate::lap::LappedSolid;
+use crate::render::{DisplaceParams, Shell, Surface};
 
 /// Bytes of a triangle: a normal, three corners, and two that say nothing.
 const RECORD: usize = 50;
@@ -11,27 +12,29 @@ const RECORD: usize = 50;
 ///
 /// # Errors
 /// [`ExportError`]: no surface, coordinates out of reach, too many faces, cancelled.
-pub fn stl(solid: &LappedSolid, exec: &Exec) -> Result<Vec<u8>, ExportError> {
+pub fn stl(solid: &LappedSolid, displace: &DisplaceParams, exec: &Exec) -> Result<Vec<u8>, ExportError> {
     let mesh = &solid.mesh;
     if mesh.boundary.is_empty() {
         return Err(ExportError::Empty);
     }
-    let bytes = 84 + RECORD as u64 * mesh.boundary.len() as u64;
-    let count = u32::try_from(mesh.boundary.len()).map_err(|_| ExportError::TooLarge(bytes))?;
+    let surface = Surface::new(solid);
+    let shell = Shell::new(&surface, displace, exec)?;
+    let bytes = 84 + RECORD as u64 * shell.faces.len() as u64;
+    let count = u32::try_from(shell.faces.len()).map_err(|_| ExportError::TooLarge(bytes))?;
     // 80 bytes that must not begin as an ASCII file does, with "solid".
     let mut file = format!("{:<80}", "binary STL made by lapis").into_bytes();
-    file.reserve_exact(RECORD * mesh.boundary.len() + 4);
+    file.reserve_exact(RECORD * shell.faces.len() + 4);
     file.extend_from_slice(&count.to_le_bytes());
-    for (i, face) in mesh.boundary.iter().enumerate() {
+    for (i, face) in shell.faces.iter().enumerate() {
         if i % 65536 == 0 {
             exec.check()?;
         }
-        let vertices = mesh.face_vertices(face);
-        let [a, b, c] = vertices.map(|v| mesh.vertices[v as usize]);
+        let vertices = face.map(|p| shell.points[p as usize].vertex);
+        let [a, b, c] = vertices.map(|v| shell.places[v as usize]);
         let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array();
         file.extend(normal.iter().flat_map(|x| x.to_le_bytes()));
         for v in vertices {
-            file.extend(single(v, mesh.vertices[v as usize])?.iter().flat_map(|x| x.to_le_bytes()));
+            file.extend(single(v, shell.places[v as usize])?.iter().flat_map(|x| x.to_le_bytes()));
         }
         file.extend([0, 0]);
     }
@@ -46,7 +49,7 @@ mod tests {
     #[test]
     fn our_own_reader_finds_the_shape() {
         let half = testing::half_ball(6);
-        let bytes = stl(&half, &Exec::default()).unwrap();
+        let bytes = stl(&half, &DisplaceParams::default(), &Exec::default()).unwrap();
         assert_eq!(bytes.len(), 84 + 50 * half.mesh.boundary.len());
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.stl");

@@ -120,6 +120,27 @@ impl LappedSolid {
         Some(Seen { patch, exemplar, uvw, label })
     }
 
+    /// Whether any of its exemplars has a displacement.
+    #[must_use]
+    pub fn is_displaced(&self) -> bool {
+        self.exemplars.iter().any(|e| e.displacement().is_some_and(|d| d.height != 0.0))
+    }
+
+    /// How far the surface stands out there, in units of texture space \[LST 6\]: the exemplars' displacements, weighed as
+    /// [`LappedSolid::colour`] weighs colours.
+    #[must_use]
+    pub fn displacement(&self, tet: usize, barycentric: [f32; 4]) -> f32 {
+        let at = |patch: u32, uvw: [f32; 3]| {
+            self.exemplars[self.patches[patch as usize].exemplar as usize].displacement_at(uvw)
+        };
+        let mut sum = 0.0;
+        let covered = self.weights(tet, barycentric, |patch, uvw, weight| sum += weight * at(patch, uvw));
+        if covered < BARE {
+            return self.oldest(tet, barycentric).map_or(0.0, |(patch, uvw)| at(patch, uvw));
+        }
+        sum / covered
+    }
+
     /// As [`LappedSolid::colour`], with another colour than the exemplar's for each patch, of its number and
     /// the texture coordinates.
     pub fn composite(

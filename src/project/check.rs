@@ -193,6 +193,9 @@ pub(super) fn picture(mut entry: PictureEntry, names: &Names) -> Result<Picture,
         .render
         .validate()
         .map_err(|source| ProjectProblem::Render { key: format!("{key}: render"), source })?;
+    if let Some(turntable) = &entry.turntable {
+        turntable.validate().map_err(|source| ProjectProblem::Render { key, source })?;
+    }
     Ok(Picture { show, entry })
 }
 
@@ -294,6 +297,9 @@ pub(super) fn settings(export: &ExportEntry) -> Result<(), ProjectProblem> {
     if let Some(name) = repeated(export.formats.iter().map(|f| f.extension())) {
         return Err(ProjectProblem::Twice { kind: "export format", name: name.to_owned() });
     }
+    if let Some((key, value, range)) = export.displace.fault() {
+        return Err(ProjectProblem::Range { key: format!("export.displace.{key}"), value, range });
+    }
     export
         .atlas
         .validate()
@@ -310,6 +316,7 @@ pub(super) fn usual_pictures(name: &str, cuts: &[Cut]) -> Vec<PictureEntry> {
         camera: None,
         from: None,
         render: RenderParams::default(),
+        turntable: None,
     };
     let mut all = vec![entry(name.to_owned(), "whole", 0.0)];
     all.extend(cuts.iter().map(|c| entry(format!("{name}-{}", c.name), &c.name, 1.0)));

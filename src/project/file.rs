@@ -12,7 +12,7 @@ use crate::cut::CutParams;
 use crate::export::{AtlasParams, ExportFormat, PlyParams};
 use crate::lap::{FillParams, ScatterParams, TextureType};
 use crate::mesh::TetParams;
-use crate::render::RenderParams;
+use crate::render::{DisplaceParams, RenderParams, TurntableParams};
 use crate::view::Camera;
 
 /// The whole file.
@@ -193,7 +193,7 @@ fn whole() -> String {
     "whole".to_owned()
 }
 
-/// `[[picture]]`: one PNG.
+/// `[[picture]]`: one PNG, or those of a turntable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PictureEntry {
@@ -215,9 +215,12 @@ pub struct PictureEntry {
     /// Instead of a camera: the direction from which one frames what is shown.
     #[serde(default)]
     pub from: Option<DVec3>,
-    /// Size, background, light.
+    /// Size, background, light, what is seen through.
     #[serde(default)]
     pub render: RenderParams,
+    /// Turns what it shows round once: `NAME-001.png` and so on, and `NAME.png`, an animated PNG of all.
+    #[serde(default)]
+    pub turntable: Option<TurntableParams>,
 }
 
 fn show_whole() -> Vec<String> {
@@ -234,10 +237,17 @@ pub struct ExportEntry {
     pub atlas: AtlasParams,
     /// How the PLY's vertices are made.
     pub ply: PlyParams,
+    /// How finely a displaced surface is divided.
+    pub displace: DisplaceParams,
 }
 
 impl Default for ExportEntry {
     fn default() -> Self {
-        Self { formats: vec![ExportFormat::Glb], atlas: AtlasParams::default(), ply: PlyParams::default() }
+        Self {
+            formats: vec![ExportFormat::Glb],
+            atlas: AtlasParams::default(),
+            ply: PlyParams::default(),
+            displace: DisplaceParams::default(),
+        }
     }
 }

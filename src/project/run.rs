@@ -21,7 +21,9 @@ use crate::export::{ExportError, export};
 use crate::files::read_whole;
 use crate::lap::LappedSolid;
 use crate::mesh::Mesher;
-use crate::render::{Placed, RenderError, frame_all, frame_all_from, render};
+use crate::render::{
+    Placed, RenderError, Turntable, USUAL_FROM, frame_all, frame_all_from, frame_round, render,
+};
 
 /// The file that a run writes its numbers to: the only one that has timings.
 pub const REPORT_FILE: &str = "report.json";
@@ -149,7 +151,10 @@ impl Work<'_> {
             (0..self.project.cuts.len()).flat_map(|cut| [1, 2].map(|piece| Model::Piece { cut, piece })),
         );
         let mut names: Vec<String> = models.into_iter().flat_map(files_of).collect();
-        names.extend(self.project.pictures.iter().map(|p| format!("{}.png", p.entry.name)));
+        for Picture { entry, .. } in &self.project.pictures {
+            names.push(format!("{}.png", entry.name));
+            names.extend(entry.turntable.iter().flat_map(|t| t.file_names(&entry.name)));
+        }
         names.push(REPORT_FILE.to_owned());
         if let Some(name) = repeated(names.iter().map(String::as_str)) {
             return Err(OutputError::Twice(self.folder.path().join(name)));
@@ -173,7 +178,7 @@ impl Work<'_> {
         self.put(&format!("{stem}.lapis"), "lapped-solid", &solid.to_bytes())?;
         let settings = &self.project.export;
         for format in &settings.formats {
-            let files = export(solid, *format, &stem, &settings.atlas, &settings.ply, exec);
+            let files = export(solid, *format, &stem, &settings.atlas, &settings.ply, &settings.displace, exec);
             let failed = |source| RunError::Export { name: format!("{stem}.{}", format.extension()), source };
             for file in files.map_err(failed)? {
                 self.put(&file.name, file.kind, &file.bytes)?;
@@ -190,14 +195,26 @@ impl Work<'_> {
         let shown = of_parts(&shown, &entry.parts);
         let placed = apart(&shown.iter().map(|s| &**s).collect::<Vec<_>>(), entry.apart);
         let aspect = f64::from(entry.render.width) / f64::from(entry.render.height);
-        let camera = match (entry.camera, entry.from) {
-            (Some(camera), _) => camera,
-            (None, Some(from)) => frame_all_from(&placed, aspect, from),
-            (None, None) => frame_all(&placed, aspect),
+        let camera = match (entry.camera, entry.from, entry.turntable) {
+            (Some(camera), ..) => camera,
+            (None, from, Some(_)) => frame_round(&placed, aspect, from.unwrap_or(USUAL_FROM)),
+            (None, Some(from), None) => frame_all_from(&placed, aspect, from),
+            (None, None, None) => frame_all(&placed, aspect),
         };
         let failed = |source| RunError::Picture { name: entry.name.clone(), source };
-        let drawn = render(&placed, &camera, &entry.render, exec).map_err(failed)?;
-        self.put(&format!("{}.png", entry.name), "picture", &drawn.to_png())?;
+        let file = format!("{}.png", entry.name);
+        if let Some(turn) = entry.turntable {
+            let names = turn.file_names(&entry.name);
+            let turntable = Turntable::new(&placed, &camera, &entry.render, turn, exec);
+            let mut turntable = turntable.map_err(failed)?;
+            while let Some(frame) = turntable.next_frame(exec).map_err(failed)? {
+                self.put(&names[frame.number as usize], "picture", &frame.png)?;
+            }
+            self.put(&file, "animation", &turntable.finish())?;
+        } else {
+            let drawn = render(&placed, &camera, &entry.render, exec).map_err(failed)?;
+            self.put(&file, "picture", &drawn.to_png())?;
+        }
         self.report.took("render", start);
         Ok(())
     }

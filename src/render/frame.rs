@@ -5,18 +5,23 @@ use glam::{DVec2, DVec3};
 use super::Placed;
 use crate::view::Camera;
 
+/// The part of the picture that the solids fill.
+pub(super) const FILL: f64 = 0.94;
+
+/// The direction from which a picture frames what it shows where nothing else is said: from the front, the right and a
+/// little above.
+pub const USUAL_FROM: DVec3 = DVec3::new(0.8, -1.0, 0.55);
+
 /// A camera that frames all solids tightly from the front, the right and a little above; z is up.
 /// `aspect` is the picture's width over height. Without any face it frames the unit cube around the origin.
 #[must_use]
 pub fn frame_all(solids: &[Placed<'_>], aspect: f64) -> Camera {
-    frame_all_from(solids, aspect, DVec3::new(0.8, -1.0, 0.55))
+    frame_all_from(solids, aspect, USUAL_FROM)
 }
 
 /// As [`frame_all`], seen from the direction `from` (towards the camera).
 #[must_use]
 pub fn frame_all_from(solids: &[Placed<'_>], aspect: f64, from: DVec3) -> Camera {
-    // The part of the picture that the solids fill.
-    const FILL: f64 = 0.94;
     let points = boundary_points(solids);
     let Some(&first) = points.first() else {
         return Camera::framing_from(DVec3::splat(-0.5), DVec3::splat(0.5), aspect, from);
@@ -52,7 +57,7 @@ pub fn frame_all_from(solids: &[Placed<'_>], aspect: f64, from: DVec3) -> Camera
     Camera { eye: target + view.forward * z, target, ..whole }
 }
 
-fn boundary_points(solids: &[Placed<'_>]) -> Vec<DVec3> {
+pub(super) fn boundary_points(solids: &[Placed<'_>]) -> Vec<DVec3> {
     let mut points = Vec::new();
     for placed in solids {
         let mesh = &placed.solid.mesh;

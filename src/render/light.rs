@@ -30,6 +30,16 @@ impl Light {
         Self { key, up: view.up, shading: params.shading }
     }
 
+    /// Where the key light comes from: a unit vector.
+    pub(super) fn towards(&self) -> DVec3 {
+        self.key
+    }
+
+    /// How strong light and shade are, 0 to 1.
+    pub(super) fn shading(&self) -> f64 {
+        self.shading
+    }
+
     /// The part in \[0, 1\] of its own colour that a white light shows of a surface with this normal.
     pub(super) fn on(&self, normal: DVec3) -> f64 {
         let key = ((normal.dot(self.key) + WRAP) / (1.0 + WRAP)).clamp(0.0, 1.0);

@@ -6,6 +6,7 @@
 //! solid says; no texture is baked in between. [`Surface`] is the boundary with its smooth normals,
 //! which the exporters share.
 
+mod animation;
 mod frame;
 mod light;
 mod overlay;
@@ -13,30 +14,37 @@ mod params;
 mod picture;
 mod raster;
 mod scene;
+mod shell;
 mod show;
 mod surface;
 #[cfg(test)]
 pub(crate) mod testing;
+mod translucent;
+mod turntable;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-pub use frame::{frame_all, frame_all_from};
+pub use frame::{USUAL_FROM, frame_all, frame_all_from};
 pub use params::{MAX_PICTURE_SIDE, PictureSize, PictureSizeError, RenderParams};
 pub use picture::{Difference, Picture, PictureError};
+pub use shell::{DisplaceParams, MAX_DISPLACED_FACES, Parent, Shell};
 pub use show::{Mark, Painted, Show};
 pub use surface::{CREASE_DEG, Surface, SurfacePoint};
+pub use translucent::{DensityRule, MAX_DENSITY, TranslucentParams};
+pub use turntable::{Frame, MAX_FRAMES, Turntable, TurntableParams, frame_round};
 
 use crate::exec::{Cancelled, Exec};
 use crate::lap::{LappedSolid, TextureType};
 use crate::number::Short;
-use crate::view::{Camera, CameraError};
+use crate::view::{Camera, CameraError, Projection};
 use light::Light;
 use overlay::Overlay;
 use scene::Scene;
 use show::Subject;
+use translucent::Translucent;
 
 /// A solid and where it stands in the picture.
 #[derive(Debug, Clone, Copy)]
@@ -81,6 +89,48 @@ pub enum RenderError {
         least: f64,
         /// Greatest value.
         most: f64,
+    },
+    /// A number of how a displaced surface is divided that is out of its range.
+    #[error("displace: {name} is {value}; {range}")]
+    Displace {
+        /// Which setting.
+        name: &'static str,
+        /// What it is.
+        value: f64,
+        /// What it must be.
+        range: &'static str,
+    },
+    /// A number of a translucent picture that is NaN or out of its range.
+    #[error("translucent: {name} is {value}; it must lie between {least} and {most}")]
+    Translucent {
+        /// Which setting.
+        name: &'static str,
+        /// What it is.
+        value: f64,
+        /// Least value.
+        least: f64,
+        /// Greatest value.
+        most: f64,
+    },
+    /// Something else than the texture is to be seen through.
+    #[error("a translucent picture shows the texture inside: leave out `show` and `layer`, or `translucent`")]
+    TranslucentShow,
+    /// Nothing to see through.
+    #[error(
+        "nothing is filled, and only texture is translucent; give a filled model, or leave `translucent` out"
+    )]
+    NotFilled,
+    /// A number of a turntable that is out of its range.
+    #[error("turntable: {name} is {value}; it must lie between {least} and {most}")]
+    Turntable {
+        /// Which setting.
+        name: &'static str,
+        /// What it is.
+        value: u32,
+        /// Least value.
+        least: u32,
+        /// Greatest value.
+        most: u32,
     },
     /// A solid does not have what is to be shown.
     #[error("there is no {show} to show: {why}")]
@@ -145,6 +195,9 @@ pub enum RenderError {
 ///
 /// With [`RenderParams::layer`] the solids' layers of that depth are drawn instead of their boundaries.
 ///
+/// With [`RenderParams::translucent`] the inside shows through: [`RenderParams::samples`] rays a pixel are followed through
+/// the tetrahedra, and a solid's own [look](LappedSolid::look), which has no thickness, is not drawn.
+///
 /// Where the picture shows what was painted, the strokes ([`Mark::all`]) are drawn over it. They move with their
 /// solid, and are hidden where they lie deep below what the picture shows.
 ///
@@ -156,14 +209,65 @@ pub fn render(
     params: &RenderParams,
     exec: &Exec,
 ) -> Result<Picture, RenderError> {
-    params.validate()?;
-    let (width, height) = (params.width, params.height);
-    let camera = Camera { aspect: f64::from(width) / f64::from(height), ..*camera };
-    let view = camera.projection()?;
-    if let Some(solid) = solids.iter().position(|p| !p.offset.is_finite()) {
-        return Err(RenderError::Offset { solid });
+    let blank = Blank::new(solids, camera, params)?;
+    match &params.translucent {
+        Some(translucent) => see_through(&Translucent::new(solids, translucent, exec)?, blank, params, exec),
+        None => draw(solids, blank, params, exec),
     }
+}
 
+/// A picture that is about to be drawn: only its background.
+struct Blank {
+    view: Projection,
+    picture: Picture,
+}
+
+impl Blank {
+    /// Checks all that is given, and makes room.
+    fn new(solids: &[Placed<'_>], camera: &Camera, params: &RenderParams) -> Result<Self, RenderError> {
+        params.validate()?;
+        let (width, height) = (params.width, params.height);
+        let camera = Camera { aspect: f64::from(width) / f64::from(height), ..*camera };
+        let view = camera.projection()?;
+        if let Some(solid) = solids.iter().position(|p| !p.offset.is_finite()) {
+            return Err(RenderError::Offset { solid });
+        }
+        let rgba = room(params, params.background.0)?;
+        Ok(Self { view, picture: Picture { width, height, rgba } })
+    }
+}
+
+/// A value for each pixel.
+fn room<T: Clone>(params: &RenderParams, value: T) -> Result<Vec<T>, RenderError> {
+    let (width, height) = (params.width, params.height);
+    let pixels = width as usize * height as usize;
+    let mut all = Vec::new();
+    let bytes = pixels as u64 * size_of::<T>() as u64;
+    all.try_reserve_exact(pixels).map_err(|_| RenderError::Memory { width, height, bytes })?;
+    all.resize(pixels, value);
+    Ok(all)
+}
+
+/// Draws solids through which one sees.
+fn see_through(
+    solids: &Translucent<'_>,
+    Blank { view, mut picture }: Blank,
+    params: &RenderParams,
+    exec: &Exec,
+) -> Result<Picture, RenderError> {
+    solids.draw(&view, params, &mut picture.rgba, exec)?;
+    Ok(picture)
+}
+
+/// Draws the outside of solids, or a layer of them.
+fn draw(
+    solids: &[Placed<'_>],
+    Blank { view, mut picture }: Blank,
+    params: &RenderParams,
+    exec: &Exec,
+) -> Result<Picture, RenderError> {
+    let width = params.width;
+    let rgba = &mut picture.rgba;
     let layers = layers(solids, params, exec)?;
     let placed: Vec<Placed<'_>>;
     let solids = match &layers {
@@ -174,20 +278,13 @@ pub fn render(
         None => solids,
     };
 
-    let pixels = width as usize * height as usize;
-    let memory = |_| RenderError::Memory { width, height, bytes: pixels as u64 * 4 };
-    let mut rgba: Vec<[u8; 4]> = Vec::new();
-    rgba.try_reserve_exact(pixels).map_err(memory)?;
-    rgba.resize(pixels, params.background.0);
-
     let scene = exec.install(|| Scene::new(solids, &view, params, exec))?;
     let subject = Subject::new(&scene.surfaces, params)?;
     let light = Light::new(&view, params);
     // Which triangle each pixel sees: only what is drawn over it asks for that.
     let mut visible: Vec<u32> = Vec::new();
     if subject.has_overlay() {
-        visible.try_reserve_exact(pixels).map_err(memory)?;
-        visible.resize(pixels, raster::NOTHING);
+        visible = room(params, raster::NOTHING)?;
     }
     let rows = raster::TILE as usize * width as usize;
     let mut seen: Vec<&mut [u32]> = visible.chunks_mut(rows).collect();
@@ -212,7 +309,7 @@ pub fn render(
             })
         })?;
     }
-    Ok(Picture { width, height, rgba })
+    Ok(picture)
 }
 
 /// The layers of a depth, of the solids that have it, and where they stand; `None` where no layer is asked for.

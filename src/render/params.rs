@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::{RenderError, Show};
+use super::{DisplaceParams, RenderError, Show, TranslucentParams};
 use crate::colour::Colour;
 use crate::lap::TextureType;
 
@@ -46,6 +46,14 @@ pub struct RenderParams {
     /// How strong light and shade are: 1 is the usual, 0 shows the texture's own colours
     #[arg(long, default_value_t = RenderParams::default().shading)]
     pub shading: f64,
+    /// How finely a displaced surface is divided.
+    #[command(flatten)]
+    pub displace: DisplaceParams,
+    /// Shows the inside through matter that is more or less clear, instead of the outside. On the command line
+    /// `--translucent` asks for it.
+    #[arg(skip)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub translucent: Option<TranslucentParams>,
 }
 
 impl Default for RenderParams {
@@ -60,6 +68,8 @@ impl Default for RenderParams {
             light_azimuth_deg: -20.0,
             light_elevation_deg: 36.0,
             shading: 1.0,
+            displace: DisplaceParams::default(),
+            translucent: None,
         }
     }
 }
@@ -85,6 +95,15 @@ impl RenderParams {
             if !(least..=most).contains(&value) {
                 return Err(RenderError::Light { name, value, least, most });
             }
+        }
+        if let Some((name, value, range)) = self.displace.fault() {
+            return Err(RenderError::Displace { name, value, range });
+        }
+        if let Some(translucent) = &self.translucent {
+            if self.show != Show::Texture || self.layer.is_some() {
+                return Err(RenderError::TranslucentShow);
+            }
+            translucent.validate()?;
         }
         match self.layer {
             Some(layer) if !(0.0..=1.0).contains(&layer) => Err(RenderError::Layer(layer)),

@@ -62,8 +62,12 @@ impl Picture {
 
     /// As [`Picture::to_png`]; glTF forbids colour space chunks, so the mark can be left out.
     pub(crate) fn png(&self, srgb: bool) -> Vec<u8> {
+        self.png_as(srgb, self.rgba.iter().all(|p| p[3] == 255))
+    }
+
+    /// As [`Picture::png`], but without alpha only where `opaque` says so.
+    pub(super) fn png_as(&self, srgb: bool, opaque: bool) -> Vec<u8> {
         assert_eq!(self.rgba.len(), self.width as usize * self.height as usize, "pixels missing");
-        let opaque = self.rgba.iter().all(|p| p[3] == 255);
         let mut file = Vec::new();
         let mut encoder = png::Encoder::new(&mut file, self.width, self.height);
         encoder.set_depth(png::BitDepth::Eight);

@@ -198,10 +198,12 @@ fn fragment(scene: &Scene<'_>, light: &Light, subject: &Subject, t: &Triangle, [
     let sum = e[0] + e[1] + e[2];
     let weights = if sum > 0.0 { e.map(|e| e / sum) } else { [1.0 / 3.0; 3] };
     let surface = &scene.surfaces[t.solid as usize];
-    let normals = surface.normals(t.face as usize);
+    let shell = &scene.shells[t.solid as usize];
+    let normals = shell.normals(t.face as usize);
     let normal: DVec3 = normals.iter().zip(weights).map(|(n, w)| *n * w).sum();
     let normal = normal.normalize_or(normals[0]);
-    let ([r, g, b, a], shade) = subject.colour(surface, t, weights, [x, y]);
+    let parent = &shell.parents[t.face as usize];
+    let ([r, g, b, a], shade) = subject.colour(surface, t, parent, weights, [x, y]);
     let lit = light.on(if t.behind { -normal } else { normal });
     #[allow(clippy::cast_possible_truncation)] // in [0, 1]
     let lit = (1.0 - shade * (1.0 - lit)) as f32;

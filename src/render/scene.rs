@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::raster::TILE;
-use super::{Placed, RenderParams, Surface};
+use super::{Placed, RenderParams, Shell, Show, Surface};
 use crate::exec::{Cancelled, Exec};
 use crate::mesh::index;
 use crate::view::Projection;
@@ -34,7 +34,7 @@ pub(super) struct Triangle {
     pub(super) rows: [u32; 2],
     /// Index into [`Scene::surfaces`].
     pub(super) solid: u32,
-    /// Index into the surface's faces.
+    /// Index into the shell's faces.
     pub(super) face: u32,
     /// Seen from behind, that is, from within the solid.
     pub(super) behind: bool,
@@ -43,6 +43,8 @@ pub(super) struct Triangle {
 /// All that is drawn.
 pub(super) struct Scene<'a> {
     pub(super) surfaces: Vec<Surface<'a>>,
+    /// The surfaces as they are drawn.
+    pub(super) shells: Vec<Shell>,
     /// What is added to the vertices of each.
     pub(super) offsets: Vec<DVec3>,
     pub(super) triangles: Vec<Triangle>,
@@ -73,6 +75,11 @@ impl<'a> Scene<'a> {
     ) -> Result<Self, Cancelled> {
         let surfaces: Vec<Surface<'a>> = solids.par_iter().map(|p| Surface::new(p.solid)).collect();
         exec.check()?;
+        let shell = |surface| match params.show {
+            Show::Texture if params.layer.is_none() => Shell::new(surface, &params.displace, exec),
+            _ => Ok(Shell::plain(surface)),
+        };
+        let shells = surfaces.iter().map(shell).collect::<Result<Vec<Shell>, Cancelled>>()?;
         let distance = |p: &Placed<'_>, v: DVec3| (v + p.offset - view.eye).dot(view.forward);
         let farthest = solids
             .iter()
@@ -89,13 +96,13 @@ impl<'a> Scene<'a> {
         };
 
         let mut triangles = Vec::new();
-        for (s, (placed, surface)) in solids.iter().zip(&surfaces).enumerate() {
+        for (s, ((placed, surface), shell)) in solids.iter().zip(&surfaces).zip(&shells).enumerate() {
             exec.check()?;
             let within = holds_eye(surface, placed.offset - view.eye);
-            let seen: Vec<Option<Triangle>> = (0..surface.faces.len())
+            let seen: Vec<Option<Triangle>> = (0..shell.faces.len())
                 .into_par_iter()
                 .map(|f| {
-                    let corners = surface.corners(f).map(|p| p + placed.offset - view.eye);
+                    let corners = shell.corners(f).map(|p| p + placed.offset - view.eye);
                     lens.triangle(corners, index(s), index(f), within)
                 })
                 .collect();
@@ -123,7 +130,7 @@ impl<'a> Scene<'a> {
         }
         let nearest = 1.0 / lens.near;
         let offsets = solids.iter().map(|p| p.offset).collect();
-        Ok(Self { surfaces, offsets, triangles, width: params.width, nearest, band_start, band_triangles })
+        Ok(Self { surfaces, shells, offsets, triangles, width: params.width, nearest, band_start, band_triangles })
     }
 
     pub(super) fn bands(&self) -> usize {

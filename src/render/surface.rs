@@ -53,63 +53,8 @@ impl<'a> Surface<'a> {
     pub fn new(solid: &'a LappedSolid) -> Self {
         let mesh = &solid.mesh;
         let vertices: Vec<[u32; 3]> = mesh.boundary.iter().map(|f| mesh.face_vertices(f)).collect();
-        let mut flat = Vec::with_capacity(vertices.len());
-        let mut weights = Vec::with_capacity(vertices.len());
-        for v in &vertices {
-            let p = v.map(|v| mesh.vertices[v as usize]);
-            let cross = (p[1] - p[0]).cross(p[2] - p[0]);
-            let edges = [0, 1, 2].map(|c| p[(c + 2) % 3] - p[(c + 1) % 3]);
-            let longest = edges.iter().map(|e| e.length_squared()).fold(0.0, f64::max);
-            let sliver = cross.length() <= SLIVER * longest;
-            flat.push(if sliver { DVec3::ZERO } else { cross.normalize_or_zero() });
-            // By area and angle: what a sliver says counts for little.
-            weights.push([0, 1, 2].map(|c| {
-                let (a, b) = (edges[(c + 2) % 3], -edges[(c + 1) % 3]);
-                if sliver { 0.0 } else { cross.length() * a.angle_between(b) }
-            }));
-        }
-
-        let corners = corners_by_vertex(mesh.vertices.len(), &vertices);
-        let cosine = CREASE_DEG.to_radians().cos();
-        let smooth = |a: u32, b: u32| {
-            let (a, b) = (a as usize, b as usize);
-            let either_sliver = flat[a] == DVec3::ZERO || flat[b] == DVec3::ZERO;
-            kind(mesh.boundary[a].origin) == kind(mesh.boundary[b].origin)
-                && (either_sliver || flat[a].dot(flat[b]) >= cosine)
-        };
-
-        // The corners that share a point are named after the first of them.
-        let mut normals = vec![[DVec3::ZERO; 3]; vertices.len()];
-        let mut leaders = vec![[(0u32, 0u8); 3]; vertices.len()];
-        for here in &corners {
-            let groups = groups(here, &smooth);
-            let mut sums = vec![DVec3::ZERO; here.len()];
-            for (c, &g) in here.iter().zip(&groups) {
-                let f = c.face as usize;
-                sums[g] += flat[f] * weights[f][c.corner as usize];
-            }
-            for (c, &g) in here.iter().zip(&groups) {
-                let f = c.face as usize;
-                let fallback = if flat[f] == DVec3::ZERO { DVec3::Z } else { flat[f] };
-                normals[f][c.corner as usize] = sums[g].normalize_or(fallback);
-                leaders[f][c.corner as usize] = (here[g].face, here[g].corner);
-            }
-        }
-
-        let mut points = Vec::new();
-        let mut faces = vec![[0u32; 3]; vertices.len()];
-        for f in 0..vertices.len() {
-            for c in 0..3 {
-                let (lf, lc) = leaders[f][c];
-                faces[f][c] = if (lf as usize, lc as usize) == (f, c) {
-                    points.push(SurfacePoint { vertex: vertices[f][c], normal: normals[f][c] });
-                    index(points.len() - 1)
-                } else {
-                    // The leader comes first in face order, so its point is already there.
-                    faces[lf as usize][lc as usize]
-                };
-            }
-        }
+        let Smooth { points, faces, flat } =
+            Smooth::new(&mesh.vertices, &vertices, |f| kind(mesh.boundary[f].origin));
         Self { solid, points, faces, flat }
     }
 
@@ -164,6 +109,81 @@ impl<'a> Surface<'a> {
     }
 }
 
+/// Triangles with a normal at each corner, shared where they hang together smoothly.
+pub(super) struct Smooth {
+    pub(super) points: Vec<SurfacePoint>,
+    pub(super) faces: Vec<[u32; 3]>,
+    pub(super) flat: Vec<DVec3>,
+}
+
+impl Smooth {
+    /// Of triangles by their vertices; those of different `kind` share no normal.
+    pub(super) fn new(
+        places: &[DVec3],
+        vertices: &[[u32; 3]],
+        kind: impl Fn(usize) -> Option<u32>,
+    ) -> Self {
+        let mut flat = Vec::with_capacity(vertices.len());
+        let mut weights = Vec::with_capacity(vertices.len());
+        for v in vertices {
+            let p = v.map(|v| places[v as usize]);
+            let cross = (p[1] - p[0]).cross(p[2] - p[0]);
+            let edges = [0, 1, 2].map(|c| p[(c + 2) % 3] - p[(c + 1) % 3]);
+            let longest = edges.iter().map(|e| e.length_squared()).fold(0.0, f64::max);
+            let sliver = cross.length() <= SLIVER * longest;
+            flat.push(if sliver { DVec3::ZERO } else { cross.normalize_or_zero() });
+            // By area and angle: what a sliver says counts for little.
+            weights.push([0, 1, 2].map(|c| {
+                let (a, b) = (edges[(c + 2) % 3], -edges[(c + 1) % 3]);
+                if sliver { 0.0 } else { cross.length() * a.angle_between(b) }
+            }));
+        }
+
+        let corners = corners_by_vertex(places.len(), vertices);
+        let cosine = CREASE_DEG.to_radians().cos();
+        let smooth = |a: u32, b: u32| {
+            let (a, b) = (a as usize, b as usize);
+            let either_sliver = flat[a] == DVec3::ZERO || flat[b] == DVec3::ZERO;
+            kind(a) == kind(b)
+                && (either_sliver || flat[a].dot(flat[b]) >= cosine)
+        };
+
+        // The corners that share a point are named after the first of them.
+        let mut normals = vec![[DVec3::ZERO; 3]; vertices.len()];
+        let mut leaders = vec![[(0u32, 0u8); 3]; vertices.len()];
+        for here in &corners {
+            let groups = groups(here, &smooth);
+            let mut sums = vec![DVec3::ZERO; here.len()];
+            for (c, &g) in here.iter().zip(&groups) {
+                let f = c.face as usize;
+                sums[g] += flat[f] * weights[f][c.corner as usize];
+            }
+            for (c, &g) in here.iter().zip(&groups) {
+                let f = c.face as usize;
+                let fallback = if flat[f] == DVec3::ZERO { DVec3::Z } else { flat[f] };
+                normals[f][c.corner as usize] = sums[g].normalize_or(fallback);
+                leaders[f][c.corner as usize] = (here[g].face, here[g].corner);
+            }
+        }
+
+        let mut points = Vec::new();
+        let mut faces = vec![[0u32; 3]; vertices.len()];
+        for f in 0..vertices.len() {
+            for c in 0..3 {
+                let (lf, lc) = leaders[f][c];
+                faces[f][c] = if (lf as usize, lc as usize) == (f, c) {
+                    points.push(SurfacePoint { vertex: vertices[f][c], normal: normals[f][c] });
+                    index(points.len() - 1)
+                } else {
+                    // The leader comes first in face order, so its point is already there.
+                    faces[lf as usize][lc as usize]
+                };
+            }
+        }
+        Self { points, faces, flat }
+    }
+}
+
 /// One colour over another.
 fn over(top: LinearRgba, below: LinearRgba) -> LinearRgba {
     if top[3] <= 0.0 {
@@ -175,7 +195,8 @@ fn over(top: LinearRgba, below: LinearRgba) -> LinearRgba {
     [channel(0), channel(1), channel(2), alpha]
 }
 
-fn kind(origin: FaceOrigin) -> Option<u32> {
+/// What a face is of: a cut, by its number, or the input surface.
+pub(super) fn kind(origin: FaceOrigin) -> Option<u32> {
     match origin {
         FaceOrigin::Input(_) => None,
         FaceOrigin::Cut(cut) => Some(cut),

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use super::overlay::Shape;
 use super::scene::{Scene, Triangle};
-use super::{RenderError, RenderParams, Surface};
+use super::{Parent, RenderError, RenderParams, Surface};
 use crate::colour::LinearRgba;
 use crate::exec::{Cancelled, Exec};
 use crate::lap::{LappedSolid, TextureType};
@@ -164,16 +164,17 @@ impl Subject {
         self.show != Show::Texture
     }
 
-    /// The colour of a triangle at barycentric `weights`, which is at position `at` in pixels, and the part of
+    /// The colour of a triangle, which lies on the surface as `parent` says, at its barycentric `weights`, which is at position `at` in pixels, and the part of
     /// the light and shade that it gets.
     pub(super) fn colour(
         &self,
         surface: &Surface<'_>,
         t: &Triangle,
+        parent: &Parent,
         weights: [f64; 3],
         at: [f64; 2],
     ) -> (LinearRgba, f64) {
-        let face = t.face as usize;
+        let (face, weights) = (parent.face as usize, parent.weights(weights));
         #[allow(clippy::cast_possible_truncation)] // weights in [0, 1]
         let narrow = weights.map(|w| w as f32);
         if let Some(values) = &self.values {
