@@ -90,7 +90,8 @@ fn record(surface: &Surface<'_>, shell: &Shell, v: &Vertex, exec: &Exec) -> Resu
     let normal = blend(normals).normalize_or(normals[0]).as_vec3().to_array();
     let parent = &shell.parents[f];
     #[allow(clippy::cast_possible_truncation)] // weights in [0, 1]
-    let colour = encode(surface.colour(parent.face as usize, parent.weights(v.barycentric).map(|w| w as f32)));
+    let colour =
+        encode(surface.colour(parent.face as usize, parent.weights(v.barycentric).map(|w| w as f32)));
     let mut bytes = [0; 28];
     for (out, value) in bytes.chunks_exact_mut(4).zip(position.into_iter().chain(normal)) {
         out.copy_from_slice(&value.to_le_bytes());

@@ -1,5 +1,6 @@
 //! Taking the space of other solids out of one: where parts of a model lie within each other, the inner one wins.
 
+use glam::DVec3;
 use manifold_rust::manifold::Manifold;
 use manifold_rust::types::{BooleanEngine, Error, MeshGL64, OpType};
 
@@ -101,7 +102,7 @@ pub(crate) fn near(a: &TriMesh, b: &TriMesh) -> bool {
 fn plain(mesh: &TriMesh, number: usize) -> MeshGL64 {
     MeshGL64 {
         num_prop: 3,
-        vert_properties: mesh.vertices.iter().flat_map(|p| p.to_array()).collect(),
+        vert_properties: mesh.vertices.iter().flat_map(DVec3::to_array).collect(),
         tri_verts: mesh.triangles.iter().flatten().map(|&v| u64::from(v)).collect(),
         run_original_id: vec![index(number)],
         face_id: (0..mesh.triangles.len() as u64).collect(),
@@ -122,19 +123,13 @@ fn sources(made: &MeshGL64) -> Vec<(usize, u32)> {
 fn triangles(made: &MeshGL64) -> TriMesh {
     let stride = made.num_prop as usize;
     TriMesh {
-        vertices: made
-            .vert_properties
-            .chunks_exact(stride)
-            .map(|p| glam::DVec3::from_slice(&p[..3]))
-            .collect(),
+        vertices: made.vert_properties.chunks_exact(stride).map(|p| DVec3::from_slice(&p[..3])).collect(),
         triangles: made.tri_verts.chunks_exact(3).map(|t| [0, 1, 2].map(|k| t[k] as u32)).collect(),
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
 
     /// A box with its corners at `low` and `high`.

@@ -178,7 +178,8 @@ impl Work<'_> {
         self.put(&format!("{stem}.lapis"), "lapped-solid", &solid.to_bytes())?;
         let settings = &self.project.export;
         for format in &settings.formats {
-            let files = export(solid, *format, &stem, &settings.atlas, &settings.ply, &settings.displace, exec);
+            let files =
+                export(solid, *format, &stem, &settings.atlas, &settings.ply, &settings.displace, exec);
             let failed = |source| RunError::Export { name: format!("{stem}.{}", format.extension()), source };
             for file in files.map_err(failed)? {
                 self.put(&file.name, file.kind, &file.bytes)?;

@@ -130,7 +130,16 @@ impl<'a> Scene<'a> {
         }
         let nearest = 1.0 / lens.near;
         let offsets = solids.iter().map(|p| p.offset).collect();
-        Ok(Self { surfaces, shells, offsets, triangles, width: params.width, nearest, band_start, band_triangles })
+        Ok(Self {
+            surfaces,
+            shells,
+            offsets,
+            triangles,
+            width: params.width,
+            nearest,
+            band_start,
+            band_triangles,
+        })
     }
 
     pub(super) fn bands(&self) -> usize {

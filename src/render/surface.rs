@@ -118,11 +118,7 @@ pub(super) struct Smooth {
 
 impl Smooth {
     /// Of triangles by their vertices; those of different `kind` share no normal.
-    pub(super) fn new(
-        places: &[DVec3],
-        vertices: &[[u32; 3]],
-        kind: impl Fn(usize) -> Option<u32>,
-    ) -> Self {
+    pub(super) fn new(places: &[DVec3], vertices: &[[u32; 3]], kind: impl Fn(usize) -> Option<u32>) -> Self {
         let mut flat = Vec::with_capacity(vertices.len());
         let mut weights = Vec::with_capacity(vertices.len());
         for v in vertices {
@@ -144,8 +140,7 @@ impl Smooth {
         let smooth = |a: u32, b: u32| {
             let (a, b) = (a as usize, b as usize);
             let either_sliver = flat[a] == DVec3::ZERO || flat[b] == DVec3::ZERO;
-            kind(a) == kind(b)
-                && (either_sliver || flat[a].dot(flat[b]) >= cosine)
+            kind(a) == kind(b) && (either_sliver || flat[a].dot(flat[b]) >= cosine)
         };
 
         // The corners that share a point are named after the first of them.

@@ -67,16 +67,6 @@ fn an_even_height_moves_the_outside_along_its_normal() {
     let scale = ball.frame[0][0].length();
     let moved = shell(&ball, &DisplaceParams::default());
     check_closed(&moved);
-    for (p, parent) in moved.faces.iter().flatten().zip(moved.parents.iter().flat_map(|p| [p; 3])) {
-        let place = moved.places[moved.points[*p as usize].vertex as usize];
-        let surface = Surface::new(&ball);
-        let flat = surface.corners(parent.face as usize);
-        let lowest = flat.iter().map(|c| c.length()).fold(f64::INFINITY, f64::min);
-        // Middles of edges lie within the sphere.
-        let expected = 1.0 + 0.125 * scale;
-        assert!(place.length() < expected + 1e-6 && place.length() > lowest * 0.9 + 0.125 * scale * 0.95);
-        break;
-    }
     let grown = (volume(&moved) / ball.mesh.volume()).cbrt();
     assert!((grown - (1.0 + 0.125 * scale)).abs() < 0.02, "{grown}");
 }
