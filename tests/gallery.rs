@@ -65,10 +65,14 @@ fn the_page_shows_what_the_project_files_draw() {
         let section =
             page.split("\n## ").find(|s| s.contains(&format!("lapis run meshes/{file}\n"))).unwrap();
         let shown = section.matches("<img ").count();
-        assert_eq!(shown, project.pictures.len() + 1, "{file}: its pictures and the exemplar's cube");
+        let volumes: BTreeSet<&PathBuf> = project.parts.iter().map(|p| &p.volume).collect();
+        let expected = project.pictures.len() + volumes.len();
+        assert_eq!(shown, expected, "{file}: its pictures and the exemplars' cubes");
         for picture in &project.pictures {
             assert!(section.contains(&format!("images/gallery/{}.png\"", picture.entry.name)), "{file}");
         }
-        assert!(section.contains(&format!("texture type {},", project.part.kind)), "{file}");
+        for part in &project.parts {
+            assert!(section.contains(&format!(" {},", part.kind)), "{file}");
+        }
     }
 }

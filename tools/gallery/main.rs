@@ -1,5 +1,5 @@
-//! Writes `docs/gallery.md`, `docs/types.md` and their pictures: runs every project file under `meshes/`,
-//! keeps its pictures small, and puts its numbers beside those of Takayama et al. 2008, Table 1.
+//! Writes `docs/gallery.md`, `docs/types.md`, their pictures and the table in `README.md`: runs every project file under
+//! `meshes/`, keeps its pictures small, and puts its numbers beside those of Takayama et al. 2008, Table 1.
 //!
 //!     cargo run --release --example gallery -- [--machine "what it ran on"]
 //!
@@ -8,7 +8,9 @@
 mod cube;
 mod models;
 mod page;
+mod cuts;
 mod shrink;
+mod table;
 #[path = "../star.rs"]
 mod star;
 mod textures;
@@ -26,6 +28,7 @@ use lapis::mesh::Mesher;
 use lapis::project::{self, Project, Report, RunOptions};
 use lapis::render::Picture;
 
+use cuts::CutTimes;
 use models::{MODELS, Model};
 use shrink::small_png;
 
@@ -40,7 +43,9 @@ pub(crate) struct Shown {
     pub(crate) report: Report,
     /// Bytes of the filled model's file.
     pub(crate) bytes: u64,
-    /// The names of its pictures under `docs/images/gallery`, the exemplar's cube last.
+    /// What its cuts take.
+    pub(crate) cuts: CutTimes,
+    /// The names of its pictures under `docs/images/gallery`, the exemplars' cubes last.
     pub(crate) pictures: Vec<String>,
 }
 
@@ -93,6 +98,9 @@ fn write(machine: &str) -> Result<(), Box<dyn Error>> {
         }
     }
     write_whole(&root.join("docs/gallery.md"), page::page(&shown, machine)?.as_bytes())?;
+    let readme = root.join("README.md");
+    let text = table::into_readme(&fs::read_to_string(&readme)?, &table::table(&shown, machine)?)?;
+    write_whole(&readme, text.as_bytes())?;
     Ok(())
 }
 
@@ -105,6 +113,17 @@ fn project_files(folder: &Path) -> Result<BTreeSet<PathBuf>, Box<dyn Error>> {
         }
     }
     Ok(files)
+}
+
+/// The solid textures of a project, each once, in the order of its parts.
+fn volumes(project: &Project) -> Vec<&Path> {
+    let mut all: Vec<&Path> = Vec::new();
+    for part in &project.parts {
+        if !all.contains(&part.volume.as_path()) {
+            all.push(&part.volume);
+        }
+    }
+    all
 }
 
 /// Runs a project and puts its pictures among the page's.
@@ -126,6 +145,10 @@ fn show(model: &'static Model, path: &Path, images: &Path) -> Result<Shown, Box<
         let drawn = Picture::from_png(&fs::read(out.join(&name))?)?;
         keep(name, &drawn, SIDE)?;
     }
-    keep(format!("{}-exemplar.png", project.name), &cube::picture(&project.part.volume, &exec)?, CUBE_SIDE)?;
-    Ok(Shown { model, project, report, bytes, pictures })
+    for volume in volumes(&project) {
+        let stem = volume.file_stem().and_then(|s| s.to_str()).ok_or("an exemplar without a name")?;
+        keep(format!("{}-{stem}-exemplar.png", project.name), &cube::picture(volume, &exec)?, CUBE_SIDE)?;
+    }
+    let cuts = CutTimes::measure(&project, &out)?;
+    Ok(Shown { model, project, report, bytes, cuts, pictures })
 }

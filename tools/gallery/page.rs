@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use lapis::project::Report;
 
-use super::Shown;
+use super::{Shown, table};
 
 /// The whole page. Seconds stand in the last table only, under the machine's name.
 pub(crate) fn page(shown: &[Shown], machine: &str) -> Result<String, Box<dyn Error>> {
@@ -13,7 +13,7 @@ pub(crate) fn page(shown: &[Shown], machine: &str) -> Result<String, Box<dyn Err
     for one in shown {
         section(&mut page, one)?;
     }
-    table(&mut page, shown, machine)?;
+    writeln!(page, "\n## Beside the paper's\n\n{}", table::table(shown, machine)?.trim_end())?;
     Ok(page)
 }
 
@@ -23,8 +23,8 @@ const HEAD: &str = "\
 # Gallery
 
 Each model is a mesh, a small solid texture and a project file that says what is painted, cut and drawn. Its command
-makes the pictures below it in full size, GLB files for any viewer, and `.lapis` models to cut again. The cube is the
-solid texture alone: 64×64×64 voxels, of which the whole model is made.
+makes the pictures below it in full size, GLB files for any viewer, and `.lapis` models to cut again. The cubes are the
+solid textures alone: 64×64×64 voxels, of which the whole model is made.
 
 Meshes and textures are made by programs under `tools/`; the models are those of the paper's Table 1, with as many
 tetrahedra. What the measures mean is explained in [project-file.md](project-file.md#what-the-numbers-mean).
@@ -43,8 +43,8 @@ fn section(page: &mut String, one: &Shown) -> Result<(), Box<dyn Error>> {
     let report = &one.report;
     writeln!(
         page,
-        "\nProject file [`meshes/{name}.toml`](../meshes/{name}.toml), texture type {}, {} tetrahedra, {} patches.\n",
-        one.project.part.kind,
+        "\nProject file [`meshes/{name}.toml`](../meshes/{name}.toml), {}, {} tetrahedra, {} patches.\n",
+        kinds(one),
         count(report, "tetrahedra")?,
         count(report, "patches")?,
     )?;
@@ -69,42 +69,15 @@ fn section(page: &mut String, one: &Shown) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn table(page: &mut String, shown: &[Shown], machine: &str) -> Result<(), Box<dyn Error>> {
-    writeln!(page, "\n## Beside the paper's\n")?;
-    wrap(
-        page,
-        &format!(
-            "Table 1 of Takayama et al. 2008 (a notebook with 2.3 GHz and 1 GB of 2008) and Lapis, on {machine}. \
-             Filling is all from the fields to the patches; the paper's cut is without subdividing the tetrahedra, \
-             ours ends with each piece a model of its own, a mean over the project's cuts. Sizes are those of the \
-             filled model with its texture."
-        ),
-    )?;
-    writeln!(
-        page,
-        "\n| | tetrahedra: paper | Lapis | filling: paper | Lapis | times faster | a cut: paper | Lapis | size: paper | \
-         Lapis | layers |"
-    )?;
-    writeln!(page, "|---|---|---|---|---|---|---|---|---|---|---|")?;
-    for one in shown {
-        let Some(paper) = &one.model.paper else { continue };
-        let fill = number(&one.report, "fields")? + number(&one.report, "fill")?;
-        let cut = 1000.0 * number(&one.report, "cut")? / one.project.cuts.len().max(1) as f64;
-        writeln!(
-            page,
-            "| {} | {} | {} | {:.0} s | {fill:.1} s | {:.0} | {:.0} ms | {cut:.0} ms | {:.1} MB | {:.1} MB | {:.1} |",
-            one.model.title,
-            paper.tetrahedra,
-            count(&one.report, "tetrahedra")?,
-            paper.fill_s,
-            paper.fill_s / fill,
-            paper.cut_ms,
-            paper.megabytes,
-            one.bytes as f64 / 1e6,
-            number(&one.report, "layers_mean")?,
-        )?;
+/// `texture type 2b`, or with several parts each one's.
+fn kinds(one: &Shown) -> String {
+    match &one.project.parts[..] {
+        [only] => format!("texture type {}", only.kind),
+        parts => {
+            let each: Vec<String> = parts.iter().map(|p| format!("{} {}", p.name, p.kind)).collect();
+            format!("{} parts of texture types {}", parts.len(), each.join(", "))
+        }
     }
-    Ok(())
 }
 
 /// Text in lines of at most 110 characters.
