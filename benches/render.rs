@@ -4,7 +4,7 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use lapis::exec::Exec;
 use lapis::export::{AtlasParams, PlyParams, glb, ply};
-use lapis::render::{RenderParams, Surface, frame_all, render};
+use lapis::render::{DisplaceParams, RenderParams, Surface, frame_all, render};
 // The tests' models; they name these rooms as `crate::…`.
 use lapis::{colour, lap, mesh, volume};
 
@@ -36,10 +36,13 @@ fn exports(c: &mut Criterion) {
     let exec = Exec::default();
     let mut group = c.benchmark_group("export");
     group.sample_size(10);
+    let displace = DisplaceParams::default();
     let params = AtlasParams { size: 1024, name: None };
-    group.bench_function("GLB with an atlas of 1024x1024", |b| b.iter(|| glb(&solid, &params, &exec)));
+    group.bench_function("GLB with an atlas of 1024x1024", |b| {
+        b.iter(|| glb(&solid, &params, &displace, &exec));
+    });
     let params = PlyParams { subdivide: 2 };
-    group.bench_function("PLY, split twice", |b| b.iter(|| ply(&solid, &params, &exec)));
+    group.bench_function("PLY, split twice", |b| b.iter(|| ply(&solid, &params, &displace, &exec)));
     group.finish();
 }
 

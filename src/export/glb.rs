@@ -110,7 +110,7 @@ mod tests {
     fn another_reader_finds_shape_and_colours() {
         let half = testing::half_ball(8);
         let params = AtlasParams { size: 512, name: Some("half".into()) };
-        let bytes = glb(&half, &params, &Exec::default()).unwrap();
+        let bytes = glb(&half, &params, &DisplaceParams::default(), &Exec::default()).unwrap();
         let found = parse(&bytes);
         assert_eq!(found.indices.len(), half.mesh.boundary.len() * 3);
         assert_eq!(found.document.nodes().next().unwrap().name(), Some("half"));
@@ -146,7 +146,9 @@ mod tests {
     #[test]
     fn a_lively_texture_keeps_its_colours() {
         let solid = testing::lively(6, 24, 3);
-        let found = parse(&glb(&solid, &AtlasParams::default(), &Exec::default()).unwrap());
+        let found = parse(
+            &glb(&solid, &AtlasParams::default(), &DisplaceParams::default(), &Exec::default()).unwrap(),
+        );
         let side = found.picture.width as f32;
         let (mut sum, mut count) = (0.0, 0.0);
         for face in found.indices.chunks(3) {
@@ -167,7 +169,9 @@ mod tests {
         let mut cube = testing::cube(1);
         let clear = crate::volume::SolidTexture::new([1; 3], vec![[255, 0, 0, 128]], [false; 3]).unwrap();
         cube.exemplars = vec![std::sync::Arc::new(clear)];
-        let found = parse(&glb(&cube, &AtlasParams::default(), &Exec::default()).unwrap());
+        let found = parse(
+            &glb(&cube, &AtlasParams::default(), &DisplaceParams::default(), &Exec::default()).unwrap(),
+        );
         assert_eq!(found.document.materials().next().unwrap().alpha_mode(), gltf::material::AlphaMode::Blend);
         assert!(found.picture.rgba.iter().all(|p| *p == [255, 0, 0, 128]));
     }
@@ -177,7 +181,7 @@ mod tests {
         let mut cube = testing::cube(1);
         cube.mesh.vertices.iter_mut().for_each(|v| *v *= 1e39);
         assert!(matches!(
-            glb(&cube, &AtlasParams::default(), &Exec::default()),
+            glb(&cube, &AtlasParams::default(), &DisplaceParams::default(), &Exec::default()),
             Err(ExportError::TooFar { .. })
         ));
     }
@@ -186,7 +190,13 @@ mod tests {
     fn the_same_bytes_at_any_thread_count() {
         let half = testing::lively(6, 32, 2);
         let with = |threads| {
-            glb(&half, &AtlasParams { size: 256, name: None }, &Exec::with_threads(threads).unwrap()).unwrap()
+            glb(
+                &half,
+                &AtlasParams { size: 256, name: None },
+                &DisplaceParams::default(),
+                &Exec::with_threads(threads).unwrap(),
+            )
+            .unwrap()
         };
         assert_eq!(with(1), with(2));
     }

@@ -108,7 +108,9 @@ mod tests {
     fn shape_and_colours_come_back() {
         let half = testing::half_ball(8);
         let params = AtlasParams { size: 512, name: Some("half ball".into()) };
-        let made = obj(&half, ["a.mtl", "a-atlas.png"], &params, &Exec::default()).unwrap();
+        let made =
+            obj(&half, ["a.mtl", "a-atlas.png"], &params, &DisplaceParams::default(), &Exec::default())
+                .unwrap();
         let text = String::from_utf8(made.obj).unwrap();
         assert!(text.contains("mtllib a.mtl\n") && text.contains("usemtl half_ball\n"));
         let material = String::from_utf8(made.mtl).unwrap();
@@ -158,9 +160,22 @@ mod tests {
         let mut cube = testing::cube(1);
         let clear = crate::volume::SolidTexture::new([1; 3], vec![[255, 0, 0, 128]], [false; 3]).unwrap();
         cube.exemplars = vec![std::sync::Arc::new(clear)];
-        let made = obj(&cube, ["a.mtl", "a.png"], &AtlasParams::default(), &Exec::default()).unwrap();
+        let made = obj(
+            &cube,
+            ["a.mtl", "a.png"],
+            &AtlasParams::default(),
+            &DisplaceParams::default(),
+            &Exec::default(),
+        )
+        .unwrap();
         assert!(String::from_utf8(made.mtl).unwrap().contains("map_d"));
-        let bad = obj(&cube, ["a\n.mtl", "a.png"], &AtlasParams::default(), &Exec::default());
+        let bad = obj(
+            &cube,
+            ["a\n.mtl", "a.png"],
+            &AtlasParams::default(),
+            &DisplaceParams::default(),
+            &Exec::default(),
+        );
         assert!(matches!(bad, Err(ExportError::Name(_))));
     }
 
@@ -168,7 +183,16 @@ mod tests {
     fn the_same_bytes_at_any_thread_count() {
         let half = testing::lively(4, 16, 2);
         let params = AtlasParams { size: 256, name: None };
-        let with = |n| obj(&half, ["a.mtl", "a.png"], &params, &Exec::with_threads(n).unwrap()).unwrap();
+        let with = |n| {
+            obj(
+                &half,
+                ["a.mtl", "a.png"],
+                &params,
+                &DisplaceParams::default(),
+                &Exec::with_threads(n).unwrap(),
+            )
+            .unwrap()
+        };
         assert_eq!(with(1), with(2));
     }
 }

@@ -202,7 +202,8 @@ mod tests {
         let faces = half.mesh.boundary.len();
         for level in [0, 1, 2] {
             let params = PlyParams { subdivide: level };
-            let (p, n, c, t) = parse(&ply(&half, &params, &Exec::default()).unwrap());
+            let (p, n, c, t) =
+                parse(&ply(&half, &params, &DisplaceParams::default(), &Exec::default()).unwrap());
             assert_eq!(t.len(), faces << (2 * level));
             let volume: f32 = t
                 .iter()
@@ -239,7 +240,7 @@ mod tests {
     fn too_much_is_refused() {
         let half = testing::half_ball(2);
         for subdivide in [14, 40, u32::MAX] {
-            let made = ply(&half, &PlyParams { subdivide }, &Exec::default());
+            let made = ply(&half, &PlyParams { subdivide }, &DisplaceParams::default(), &Exec::default());
             assert!(matches!(made, Err(ExportError::TooManyFaces { .. })));
         }
     }
@@ -247,8 +248,15 @@ mod tests {
     #[test]
     fn the_same_bytes_at_any_thread_count() {
         let half = testing::lively(4, 16, 2);
-        let with =
-            |threads| ply(&half, &PlyParams { subdivide: 2 }, &Exec::with_threads(threads).unwrap()).unwrap();
+        let with = |threads| {
+            ply(
+                &half,
+                &PlyParams { subdivide: 2 },
+                &DisplaceParams::default(),
+                &Exec::with_threads(threads).unwrap(),
+            )
+            .unwrap()
+        };
         assert_eq!(with(1), with(2));
     }
 }

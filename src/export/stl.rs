@@ -72,6 +72,9 @@ mod tests {
     fn what_single_precision_cannot_hold_is_refused() {
         let mut cube = testing::cube(1);
         cube.mesh.vertices.iter_mut().for_each(|v| *v *= 1e39);
-        assert!(matches!(stl(&cube, &Exec::default()), Err(ExportError::TooFar { .. })));
+        assert!(matches!(
+            stl(&cube, &DisplaceParams::default(), &Exec::default()),
+            Err(ExportError::TooFar { .. })
+        ));
     }
 }

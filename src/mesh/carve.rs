@@ -202,7 +202,7 @@ mod tests {
         open.triangles.pop();
         assert!(matches!(carve(&unit(), &[&open], &Exec::default()), Err(CarveError::NoSolid(1))));
         let exec = Exec::default();
-        exec.cancel();
+        exec.cancel_token().cancel();
         assert!(matches!(carve(&unit(), &[&unit()], &exec), Err(CarveError::Cancelled(_))));
     }
 }

@@ -170,9 +170,9 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         for name in ["c:a.nrrd", " a.nrrd", "a\nb.nrrd"] {
             let path = dir.path().join(name);
-            assert!(matches!(write(&path, &stones()), Err(VolumeWriteError::LabelName { .. })), "{name:?}");
+            assert!(matches!(write(&path, &stones()), Err(VolumeWriteError::BesideName { .. })), "{name:?}");
         }
         assert_eq!(names(dir.path()), [""; 0]);
-        assert_eq!(labels_path(Path::new("x/a.b.nrrd")), Path::new("x/a.b-labels.nrrd"));
+        assert_eq!(Beside::Labels.path(Path::new("x/a.b.nrrd")), Path::new("x/a.b-labels.nrrd"));
     }
 }

@@ -6,13 +6,13 @@
 //! All but the seconds is the same on every run.
 
 mod cube;
+mod cuts;
 mod models;
 mod page;
-mod cuts;
 mod shrink;
-mod table;
 #[path = "../star.rs"]
 mod star;
+mod table;
 mod textures;
 mod types;
 

@@ -51,7 +51,13 @@ pub(crate) const MODELS: [Model; 7] = [
                turn the fibres. Look at the fork, where the rings of both limbs become those of the trunk, and at \
                the bark, whose ridges follow the limbs. Where depth and directions of two limbs meet, in the crotch, \
                patches are small and their edges show.",
-        paper: Some(Paper { tetrahedra: 5012, design_s: 76.0, fill_s: 104.0, cut_ms: 125.0, megabytes: 12.2 }),
+        paper: Some(Paper {
+            tetrahedra: 5012,
+            design_s: 76.0,
+            fill_s: 104.0,
+            cut_ms: 125.0,
+            megabytes: 12.2,
+        }),
     },
     Model {
         name: "watermelon",
@@ -76,7 +82,13 @@ pub(crate) const MODELS: [Model; 7] = [
         text: "A block of land. Depth follows the beds, not the ground: strokes run along folded layers, an arch, a \
                trough and a step, and the hills and the valley have been worn out of them. Look at how the same beds \
                come to the surface again and again, and at the pebbles, which lie flat in their bed wherever it goes.",
-        paper: Some(Paper { tetrahedra: 2827, design_s: 113.0, fill_s: 77.0, cut_ms: 110.0, megabytes: 10.4 }),
+        paper: Some(Paper {
+            tetrahedra: 2827,
+            design_s: 113.0,
+            fill_s: 77.0,
+            cut_ms: 110.0,
+            megabytes: 10.4,
+        }),
     },
     Model {
         name: "cake",
@@ -84,6 +96,12 @@ pub(crate) const MODELS: [Model; 7] = [
         text: "Four parts in one project: the layers, whose depth runs from top to foot; a coat of cream around them; \
                rosettes and strawberries that stand in the coat. One cut goes through all. Look at the slice: sponge \
                with its pores, cream and jam, and a berry with its white heart.",
-        paper: Some(Paper { tetrahedra: 2734, design_s: 34.0, fill_s: 416.0, cut_ms: 187.0, megabytes: 14.5 }),
+        paper: Some(Paper {
+            tetrahedra: 2734,
+            design_s: 34.0,
+            fill_s: 416.0,
+            cut_ms: 187.0,
+            megabytes: 14.5,
+        }),
     },
 ];

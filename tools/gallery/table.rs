@@ -23,10 +23,14 @@ pub(crate) fn table(shown: &[Shown], machine: &str) -> Result<String, Box<dyn Er
              cuts. *Size*: the filled model with its textures."
         ),
     )?;
-    writeln!(text, "\n| | tetrahedra | design | fill | cut | with subdivision | size |\n|---|---|---|---|---|---|---|")?;
+    writeln!(
+        text,
+        "\n| | tetrahedra | design | fill | cut | with subdivision | size |\n|---|---|---|---|---|---|---|"
+    )?;
     for one in shown {
         let Some(paper) = &one.model.paper else { continue };
-        let spent = |name: &str| one.report.seconds.get(name).and_then(serde_json::Value::as_f64).unwrap_or(0.0);
+        let spent =
+            |name: &str| one.report.seconds.get(name).and_then(serde_json::Value::as_f64).unwrap_or(0.0);
         writeln!(
             text,
             "| {} | {} **{}** | {:.0} s **{} s** | {:.0} s **{} s** | {:.0} ms **{:.1} ms** | **{:.1} ms** | \

@@ -232,10 +232,14 @@ fn the_cut_follows_the_stroke() {
     let whole = solid(5, true, 0.2, 5);
     let tolerance = 0.002;
     for surface in [wave(0.15, 2.0, 120), wave(0.2, 3.0, 13), star(5, 0.08, 0.2)] {
-        let (pieces, _) = cut(&whole, &surface, &CutParams { tolerance }, &Exec::default()).unwrap();
+        let (pieces, _) =
+            cut(&whole, &surface, &CutParams { tolerance, ..CutParams::default() }, &Exec::default())
+                .unwrap();
         let fine = farthest(&pieces, &surface);
         assert!(fine < 2.0 * tolerance, "{fine}");
-        let (pieces, _) = cut(&whole, &surface, &CutParams { tolerance: 0.03 }, &Exec::default()).unwrap();
+        let (pieces, _) =
+            cut(&whole, &surface, &CutParams { tolerance: 0.03, ..CutParams::default() }, &Exec::default())
+                .unwrap();
         let coarse = farthest(&pieces, &surface);
         assert!(coarse > 2.0 * tolerance, "{coarse}");
     }
@@ -408,7 +412,7 @@ fn a_cut_that_cannot_be_made_says_why() {
     let near = Camera { eye: DVec3::new(0.9, 0.9, 0.9), ..camera() };
     let near = CutSurface::Stroke { stroke: s, camera: near };
     assert!(matches!(error(&near), CutError::BehindCamera { .. }));
-    let coarse = CutParams { tolerance: 0.0 };
+    let coarse = CutParams { tolerance: 0.0, ..CutParams::default() };
     let refused = cut(&whole, &wave(0.1, 1.0, 9), &coarse, &Exec::default()).unwrap_err();
     assert_eq!(refused, CutError::BadTolerance(0.0));
     let exec = Exec::default();
@@ -472,7 +476,7 @@ proptest! {
     fn any_stroke(seed in 0u64..1000, n in 2u32..5, ball: bool, closed: bool,
                   points in prop::collection::vec(prop::array::uniform2(0.2..0.8f64), 2..6)) {
         let whole = solid(n, ball, 0.2, seed);
-        match cut(&whole, &stroke(points, closed), &CutParams { tolerance: 0.004 }, &Exec::default()) {
+        match cut(&whole, &stroke(points, closed), &CutParams { tolerance: 0.004, ..CutParams::default() }, &Exec::default()) {
             Ok((pieces, report)) => {
                 check(&whole, &whole, &pieces, &report);
                 prop_assert!(pieces.len() >= 2);
