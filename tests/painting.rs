@@ -144,9 +144,11 @@ fn scaled(obj: &str, by: [f64; 3]) -> String {
 /// An example of the guide as a project that runs in a moment: what it leaves out is filled in, what takes long is
 /// made small.
 fn completed(example: &str) -> String {
-    let mut text =
-        example.replace("tets = 4126", "tets = 500").replace("\"plank.obj\"", "\"plank.obj\"\ntets = 300");
-    if !example.contains("[mesh]") {
+    let mut text = example.replace("tets = 4126", "tets = 500");
+    for mesh in ["plank.obj", "apple.obj", "stone.obj"] {
+        text = text.replace(&format!("\"{mesh}\""), &format!("\"{mesh}\"\ntets = 300"));
+    }
+    if !example.contains("mesh]") {
         let kind = match (example.contains("[depth"), example.contains("[direction")) {
             (true, true) => "2b",
             (true, false) => "1b",
@@ -193,6 +195,10 @@ fn the_examples_of_the_guide_run() {
     bench.file("p/trunk.nrrd", &volume);
     bench.file("p/seed.nrrd", &volume);
     bench.file("p/board.obj", board());
+    bench.file("p/apple.obj", scaled(&ball, [20.0; 3]));
+    bench.file("p/stone.obj", scaled(&ball, [7.0; 3]));
+    bench.file("p/apple.nrrd", &volume);
+    bench.file("p/stone.nrrd", &volume);
     bench.file(
         "p/line.svg",
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 100 100\"><path id=\"along\" d=\"M40 40 C40 50 45 55 50 60\"/>\

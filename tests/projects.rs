@@ -293,6 +293,8 @@ fn the_guide_has_every_key() {
         ("[export]", ""),
         ("[export.atlas]", "atlas."),
         ("[export.ply]", "ply."),
+        ("[export.displace]", "displace."),
+        ("[[part]]", ""),
     ] {
         let parent = match table {
             "[cut.camera]" | "[cut.params]" => "[[cut]]\nname = \"a\"\n",
