@@ -5,7 +5,7 @@ mod common;
 use common::Bench;
 
 /// Fills a sample without its cuts, pictures and exports, and checks what holds for all: about `tets`
-/// tetrahedra, all covered, nothing inside out, hardly a facet seam, no blur.
+/// tetrahedra, all covered, nothing inside out, hardly a facet seam, no blur; the same bytes on one thread.
 fn fills(name: &str, tets: f64) {
     fills_with(name, tets, 0.01);
 }
@@ -21,6 +21,9 @@ fn fills_with(name: &str, tets: f64, seams: f64) {
     let bench = Bench::empty();
     bench.file("p.toml", format!("picture = []\n{fields}\n[export]\nformats = []\n"));
     let json = bench.ok("run p.toml --json").json();
+    // The same bytes on any number of threads.
+    bench.ok("run p.toml -o one --threads 1 --quiet");
+    assert!(bench.read("out/p/p.lapis") == bench.read("one/p.lapis"), "{name} differs by threads");
     let found = json["counts"]["tetrahedra"].as_f64().unwrap();
     assert!((found / tets - 1.0).abs() <= 0.05, "{found} tetrahedra");
     let measure = |key: &str| json["measures"][key].as_f64().unwrap_or(f64::NAN);

@@ -304,7 +304,8 @@ fn a_look_survives_its_file_and_earlier_versions_are_read() {
     bad.mesh.boundary[3].origin = crate::mesh::FaceOrigin::Input(1 << 20);
     let refused = LappedSolid::from_bytes(&bad.to_bytes()).unwrap_err();
     assert!(matches!(refused, ModelFileError::Value { name: "boundary_input", index: 3, .. }), "{refused}");
-    // A version 1 file knows nothing of looks, one of version 2 is the same as long as there are no labels.
+    // A version 1 file knows nothing of looks, those of versions 2 and 3 are the same as long as there are
+    // neither labels nor displacements nor parts.
     solid.look = None;
     let bytes = solid.to_bytes();
     let version = |n: u32| format!("\\\"format\\\":{n},");
@@ -315,11 +316,12 @@ fn a_look_survives_its_file_and_earlier_versions_are_read() {
         other[at..at + version(n).len()].copy_from_slice(version(n).as_bytes());
         LappedSolid::from_bytes(other)
     };
+    assert_eq!(of_version(3, &mut other).unwrap(), solid);
     assert_eq!(of_version(2, &mut other).unwrap(), solid);
     let look = find(&bytes, key);
     other[look..look + key.len()].fill(b' ');
     assert_eq!(of_version(1, &mut other).unwrap(), solid);
-    assert!(matches!(of_version(FORMAT_VERSION + 1, &mut other), Err(ModelFileError::Version(4))));
+    assert!(matches!(of_version(FORMAT_VERSION + 1, &mut other), Err(ModelFileError::Version(5))));
 }
 
 /// The texture of the other tests, with eight particles: its octants, but the first, which is matrix.

@@ -53,14 +53,21 @@ pub fn carve(surface: &TriMesh, others: &[&TriMesh], exec: &Exec) -> Result<Opti
         if solid.status() == Error::NoError { Ok(solid) } else { Err(CarveError::NoSolid(number)) }
     };
     let mut left = solid(surface, 0)?;
-    let before = surface.volume();
+    let (before, mut changed) = (surface.volume(), false);
     for (number, other) in others.iter().enumerate().filter(|(_, other)| near(surface, other)) {
         exec.check()?;
         let other = solid(other, number + 1)?;
-        left = left.boolean_with_engine(&other, OpType::Subtract, BooleanEngine::Auto);
-        if left.status() != Error::NoError {
+        let next = left.boolean_with_engine(&other, OpType::Subtract, BooleanEngine::Auto);
+        if next.status() != Error::NoError {
             return Err(CarveError::NoSolid(number + 1));
         }
+        // What only touches takes away nothing but rounding: its faces are no walls.
+        if left.volume() - next.volume() > 1e-12 * before {
+            (left, changed) = (next, true);
+        }
+    }
+    if !changed {
+        return Ok(None);
     }
     exec.check()?;
     let made = left.get_mesh_gl64(-1);
@@ -68,10 +75,6 @@ pub fn carve(surface: &TriMesh, others: &[&TriMesh], exec: &Exec) -> Result<Opti
         return Err(CarveError::Nothing);
     }
     let sources = sources(&made);
-    // What only touches takes away nothing but rounding.
-    if (before - left.volume()).abs() <= 1e-12 * before {
-        return Ok(None);
-    }
     let cleaned = clean(&triangles(&made))?;
     let mut kept: Vec<(usize, u32, usize)> = (cleaned.from.triangles().iter().enumerate())
         .map(|(new, &old)| (sources[old as usize].0, sources[old as usize].1, new))

@@ -259,7 +259,7 @@ fn only_slices(folder: &Path) -> io::Result<()> {
         let name = entry?.file_name().to_string_lossy().into_owned();
         let number = name.strip_prefix("slice-").and_then(|rest| rest.strip_suffix(".png"));
         let ours = number.is_some_and(|n| digits(n.as_bytes()) == n.len());
-        if !ours && ![SIDECAR, LABELS].contains(&&*name) {
+        if !ours && ![SIDECAR, LABELS, DISPLACEMENT].contains(&&*name) {
             let message =
                 format!("the folder holds {name:?}, which is no slice of a volume; give a new folder");
             return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));

@@ -13,7 +13,7 @@ lapis, path = sys.argv[1:]
 with safe_open(path, "numpy") as file:
     a = {name: file.get_tensor(name) for name in file.keys()}
     about = json.loads(file.metadata()["lapis"])
-assert about["format"] == 3
+assert about["format"] == 4
 
 
 def linear(c):

@@ -1,7 +1,9 @@
 """trimesh loads an exported GLB and OBJ with their textures, a PLY with its colours and an STL; all show one closed
 surface.
 
-Usage: python read_surfaces.py FILE    where FILE.glb, FILE.obj, FILE.ply and FILE.stl are exports of one model
+Usage: python read_surfaces.py FILE [parts]
+    where FILE.glb, FILE.obj, FILE.ply and FILE.stl are exports of one model; `parts`: of several parts, whose walls lie
+    against each other
 """
 import os
 import sys
@@ -10,6 +12,7 @@ import numpy as np
 import trimesh
 
 stem = sys.argv[1]
+parts = sys.argv[2:] == ["parts"]
 names = {kind: f"{stem}.{kind}" for kind in ("glb", "obj", "ply", "stl")}
 
 
@@ -63,7 +66,11 @@ for name, mesh in zip(names.values(), (glb, obj, ply, stl)):
     assert len(mesh.faces) == len(glb.faces), f"{name}: {len(mesh.faces)} faces"
     welded = trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
     welded.merge_vertices(merge_tex=True, merge_norm=True)
-    assert welded.is_watertight, f"{name}: its surface is not closed"
+    if parts:
+        _, faces = np.unique(welded.edges_sorted, axis=0, return_counts=True)
+        assert (faces % 2 == 0).all(), f"{name}: {(faces % 2).sum()} edges of its surface are open"
+    else:
+        assert welded.is_watertight, f"{name}: its surface is not closed"
     volumes.append(welded.volume)
 assert volumes[0] > 0 and np.ptp(volumes) / volumes[0] < 1e-4, f"volumes differ: {volumes}"
 print(f"{stem}: {len(glb.faces)} faces, atlas {atlas.width}×{atlas.height}, volume {volumes[0]:.6g}")

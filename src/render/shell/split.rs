@@ -6,11 +6,12 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::super::surface::Surface;
 use super::{DisplaceParams, Parent, Role};
 use crate::exec::{Cancelled, Exec};
-use crate::mesh::{TET_FACES, index};
+use crate::mesh::{NONE, TET_FACES, index};
 
 /// Most rounds, each of which halves edges.
 const ROUNDS: usize = 12;
@@ -134,11 +135,13 @@ impl<'a> Splitter<'a> {
     pub(super) fn split(mut self, exec: &Exec) -> Result<Divided, Cancelled> {
         for _ in 0..ROUNDS {
             exec.check()?;
-            let marked = self.marked(exec)?;
-            if marked.is_empty() || self.triangles.len() + 2 * marked.len() > self.most {
+            let edges = Edges::new(&self.triangles);
+            let marked = self.marked(&edges, exec)?;
+            let halved = marked.iter().filter(|m| **m).count();
+            if halved == 0 || self.triangles.len() + 2 * halved > self.most {
                 break;
             }
-            self.halve(&marked);
+            self.halve(&edges, &marked);
         }
         let places = self.spots.iter().map(|s| s.base + s.moved()).collect();
         Ok((places, self.triangles, self.parents))
@@ -170,9 +173,8 @@ impl<'a> Splitter<'a> {
         }
     }
 
-    /// The edges that are to be halved, with the number of their middle.
-    fn marked(&self, exec: &Exec) -> Result<BTreeMap<[u32; 2], u32>, Cancelled> {
-        use rayon::prelude::*;
+    /// Which edges are to be halved.
+    fn marked(&self, edges: &Edges, exec: &Exec) -> Result<Vec<bool>, Cancelled> {
         let bends = |f: usize| -> [bool; 3] {
             let t = self.triangles[f];
             if self.roles[f] != Role::Outside {
@@ -180,38 +182,42 @@ impl<'a> Splitter<'a> {
             }
             [0, 1, 2].map(|k| self.bends(f, k, [t[k], t[(k + 1) % 3]]))
         };
-        let all: Vec<[bool; 3]> = (0..self.triangles.len()).into_par_iter().map(bends).collect();
+        let all: Vec<[bool; 3]> =
+            exec.install(|| (0..self.triangles.len()).into_par_iter().map(bends).collect());
         exec.check()?;
-        let mut marked: BTreeMap<[u32; 2], u32> = BTreeMap::new();
-        for (t, bends) in self.triangles.iter().zip(&all) {
+        let mut marked = vec![false; edges.ends.len()];
+        for (of, bends) in edges.of.iter().zip(&all) {
             for k in (0..3).filter(|&k| bends[k]) {
-                marked.insert(edge(t[k], t[(k + 1) % 3]), 0);
+                marked[of[k] as usize] = true;
             }
         }
         // A face with a halved edge halves its longest one too, so that none becomes a needle.
-        let longest: Vec<[u32; 2]> = self.triangles.iter().map(|t| self.longest(t)).collect();
+        let longest: Vec<u32> = edges.of.iter().map(|of| self.longest(edges, of)).collect();
         loop {
-            let before = marked.len();
-            for (t, longest) in self.triangles.iter().zip(&longest) {
-                if (0..3).any(|k| marked.contains_key(&edge(t[k], t[(k + 1) % 3]))) {
-                    marked.insert(*longest, 0);
+            let mut more = false;
+            for (of, &longest) in edges.of.iter().zip(&longest) {
+                if !marked[longest as usize] && of.iter().any(|&e| marked[e as usize]) {
+                    marked[longest as usize] = true;
+                    more = true;
                 }
             }
-            if marked.len() == before {
+            if !more {
                 return Ok(marked);
             }
         }
     }
 
-    fn longest(&self, t: &[u32; 3]) -> [u32; 2] {
-        let length = |e: [u32; 2]| {
-            let [a, b] = e.map(|s| self.spots[s as usize].base);
+    fn longest(&self, edges: &Edges, of: &[u32; 3]) -> u32 {
+        let length = |e: u32| {
+            let [a, b] = edges.ends[e as usize].map(|s| self.spots[s as usize].base);
             a.distance_squared(b)
         };
-        let mut edges = [0, 1, 2].map(|k| edge(t[k], t[(k + 1) % 3]));
-        // Of equal ones that with the smaller numbers, whichever face asks.
-        edges.sort_by(|a, b| length(*b).total_cmp(&length(*a)).then(a.cmp(b)));
-        edges[0]
+        // Of equal ones that with the smaller number, whichever face asks.
+        let first = |a: u32, b: u32| {
+            let order = length(b).total_cmp(&length(a)).then(a.cmp(&b));
+            if order.is_le() { a } else { b }
+        };
+        first(first(of[0], of[1]), of[2])
     }
 
     /// Whether the displacement bends on an edge of a face, from corner k on.
@@ -243,44 +249,37 @@ impl<'a> Splitter<'a> {
     }
 
     /// Halves the marked edges, and divides the faces at them in two, three or four.
-    fn halve(&mut self, marked: &BTreeMap<[u32; 2], u32>) {
-        let first = index(self.spots.len());
-        let numbers: BTreeMap<[u32; 2], u32> = marked.keys().copied().zip(first..).collect();
-        for ends in numbers.keys() {
+    fn halve(&mut self, edges: &Edges, marked: &[bool]) {
+        let mut middles = vec![NONE; marked.len()];
+        for (e, ends) in edges.ends.iter().enumerate().filter(|(e, _)| marked[*e]) {
             let [a, b] = ends.map(|s| &self.spots[s as usize]);
             let mut middle = Spot::at((a.base + b.base) * 0.5, 0.5 * (a.scale + b.scale));
             middle.outwards = (a.outwards + b.outwards).normalize_or_zero();
+            middles[e] = index(self.spots.len());
             self.spots.push(middle);
         }
-        let (triangles, parents, roles) = (
-            std::mem::take(&mut self.triangles),
-            std::mem::take(&mut self.parents),
-            std::mem::take(&mut self.roles),
-        );
         // What the faces around each middle are, before they are divided.
-        self.parents = parents;
-        self.roles = roles;
-        for (f, t) in triangles.iter().enumerate() {
-            let [a, b, c] = t.map(|s| self.spots[s as usize].base);
+        let of: Vec<[u32; 3]> = edges.of.iter().map(|of| of.map(|e| middles[e as usize])).collect();
+        for (f, of) in of.iter().enumerate() {
+            let [a, b, c] = self.triangles[f].map(|s| self.spots[s as usize].base);
             let normal = (b - a).cross(c - a);
-            for k in 0..3 {
-                let Some(&middle) = numbers.get(&edge(t[k], t[(k + 1) % 3])) else { continue };
+            for (k, &middle) in of.iter().enumerate().filter(|m| *m.1 != NONE) {
                 let mut own = [0.0; 3];
                 (own[k], own[(k + 1) % 3]) = (0.5, 0.5);
                 let height = self.height(f, own) * self.spots[middle as usize].scale;
                 self.meet(middle, self.roles[f], normal, height);
             }
         }
+        let triangles = std::mem::take(&mut self.triangles);
         let parents = std::mem::take(&mut self.parents);
         let roles = std::mem::take(&mut self.roles);
-        for ((t, parent), role) in triangles.into_iter().zip(parents).zip(roles) {
-            self.divide(t, parent, role, &numbers);
+        for (((t, parent), role), middle) in triangles.into_iter().zip(parents).zip(roles).zip(of) {
+            self.divide(t, parent, role, middle);
         }
     }
 
     /// Adds what becomes of a face.
-    fn divide(&mut self, t: [u32; 3], parent: Parent, role: Role, numbers: &BTreeMap<[u32; 2], u32>) {
-        let middle = [0, 1, 2].map(|k| numbers.get(&edge(t[k], t[(k + 1) % 3])).copied());
+    fn divide(&mut self, t: [u32; 3], parent: Parent, role: Role, middle: [u32; 3]) {
         let half = |k: usize| {
             let (a, b) = (parent.corners[k], parent.corners[(k + 1) % 3]);
             std::array::from_fn::<f64, 3, _>(|n| 0.5 * (a[n] + b[n]))
@@ -288,7 +287,7 @@ impl<'a> Splitter<'a> {
         // Corners 0, 1, 2 and the middles after them, 3, 4, 5.
         let at = |n: usize| match n {
             0..3 => (t[n], parent.corners[n]),
-            _ => (middle[n - 3].unwrap_or(t[0]), half(n - 3)),
+            _ => (middle[n - 3], half(n - 3)),
         };
         let mut add = |corners: [usize; 3]| {
             let corners = corners.map(at);
@@ -296,7 +295,7 @@ impl<'a> Splitter<'a> {
             self.parents.push(Parent { face: parent.face, corners: corners.map(|c| c.1) });
             self.roles.push(role);
         };
-        match middle.map(|m| m.is_some()) {
+        match middle.map(|m| m != NONE) {
             [false, false, false] => add([0, 1, 2]),
             [true, true, true] => [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]].into_iter().for_each(add),
             has => {
@@ -325,6 +324,31 @@ impl<'a> Splitter<'a> {
     }
 }
 
-fn edge(a: u32, b: u32) -> [u32; 2] {
-    [a.min(b), a.max(b)]
+/// The edges of some triangles.
+struct Edges {
+    /// Their ends, the smaller first, ascending.
+    ends: Vec<[u32; 2]>,
+    /// Of each triangle, the edges from its corners 0, 1 and 2 on.
+    of: Vec<[u32; 3]>,
+}
+
+impl Edges {
+    fn new(triangles: &[[u32; 3]]) -> Self {
+        let mut sides: Vec<([u32; 2], u32, u8)> = Vec::with_capacity(triangles.len() * 3);
+        for (f, t) in triangles.iter().enumerate() {
+            for k in 0..3u8 {
+                let (a, b) = (t[usize::from(k)], t[(usize::from(k) + 1) % 3]);
+                sides.push(([a.min(b), a.max(b)], index(f), k));
+            }
+        }
+        sides.par_sort_unstable();
+        let (mut ends, mut of) = (Vec::new(), vec![[0; 3]; triangles.len()]);
+        for group in sides.chunk_by(|a, b| a.0 == b.0) {
+            for &(_, f, k) in group {
+                of[f as usize][usize::from(k)] = index(ends.len());
+            }
+            ends.push(group[0].0);
+        }
+        Self { ends, of }
+    }
 }

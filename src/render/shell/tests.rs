@@ -79,8 +79,8 @@ fn nothing_opens_at_the_rim_of_a_cut_which_stays_in_its_plane() {
     };
     let half = displaced(testing::half_ball(8), 0.2, bumps);
     let surface = Surface::new(&half);
-    let fine = DisplaceParams { tolerance: 0.02, ..DisplaceParams::default() };
-    let [coarse, fine] = [DisplaceParams::default(), fine].map(|params| shell(&half, &params));
+    let [coarse, fine] =
+        [0.6, 0.02].map(|tolerance| shell(&half, &DisplaceParams { tolerance, ..DisplaceParams::default() }));
     for made in [&coarse, &fine] {
         check_closed(made);
         let mut rim = 0;
