@@ -27,7 +27,7 @@ fn the_inside_shows_through() {
         picture(&bench, name)
     };
     let opaque = draw("", "opaque.png");
-    let clear = draw("--translucent", "clear.png");
+    let clear = draw("--translucent --density 3", "clear.png");
     assert_eq!(opaque.pixel(24, 20)[3], 255);
     assert!((1..255).contains(&clear.pixel(24, 20)[3]), "{:?}", clear.pixel(24, 20));
     assert_eq!(clear.pixel(0, 0), [0; 4]);
