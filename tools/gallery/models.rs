@@ -7,6 +7,8 @@ pub(crate) struct Model {
     pub(crate) title: &'static str,
     /// What it is, and what to look at.
     pub(crate) text: &'static str,
+    /// What is still wrong with it.
+    pub(crate) weak: &'static str,
     /// Its row of Table 1 of the paper, where it has one.
     pub(crate) paper: Option<Paper>,
 }
@@ -31,6 +33,7 @@ pub(crate) const MODELS: [Model; 7] = [
                they run from the core outwards in every section, because the texture's second axis is the depth \
                itself. Look at the ends of the core, too, where all directions meet: there seeds are stretched or \
                blended.",
+        weak: "the skin is soft at arm's length, without single hairs; seeds at the ends of the core are stretched; the outline shows the mesh's facets.",
         paper: Some(Paper { tetrahedra: 4126, design_s: 29.0, fill_s: 39.0, cut_ms: 78.0, megabytes: 9.1 }),
     },
     Model {
@@ -41,6 +44,7 @@ pub(crate) const MODELS: [Model; 7] = [
                its place, and everything gets finer towards the tip. Look at how the same texture shows rays in a \
                section across and long fibres in one along the root, and at the side roots that cross the bast to \
                end in a scar on the skin.",
+        weak: "no scars of leaves at the crown, and the tip is blunt, where a root thins out to a thread; sharp edges between patches of the skin.",
         paper: Some(Paper { tetrahedra: 2313, design_s: 38.0, fill_s: 31.0, cut_ms: 63.0, megabytes: 7.1 }),
     },
     Model {
@@ -51,6 +55,7 @@ pub(crate) const MODELS: [Model; 7] = [
                turn the fibres. Look at the fork, where the rings of both limbs become those of the trunk, and at \
                the bark, whose ridges follow the limbs. Where depth and directions of two limbs meet, in the crotch, \
                patches are small and their edges show.",
+        weak: "near the piths rings are polygons, as the tetrahedra are; where the two piths run together a brown smear is left; in the crotch patches are small and their edges show.",
         paper: Some(Paper {
             tetrahedra: 5012,
             design_s: 76.0,
@@ -66,6 +71,7 @@ pub(crate) const MODELS: [Model; 7] = [
                likes, and each copy is turned at random. Six hundred seeds are pasted on top, along a layer. Look at \
                the layers, which follow the rind in every section, and at the seeds, whole wherever a cut meets them, \
                which point to the middle.",
+        weak: "the flesh is marbled where copies of the texture meet, instead of even with fine veins.",
         paper: Some(Paper { tetrahedra: 2717, design_s: 17.0, fill_s: 25.0, cut_ms: 63.0, megabytes: 9.0 }),
     },
     Model {
@@ -73,7 +79,9 @@ pub(crate) const MODELS: [Model; 7] = [
         title: "Tube",
         text: "Fibres that follow a bent tube: strokes along it set the direction, and about that direction each copy \
                of the texture is turned at random. Look at the same fibres cut across and cut along. Outside, copies \
-               end bluntly against each other: bundles of fibres break off in rectangles.",
+               end bluntly against each other: bundles of fibres break off in rectangles. The last picture looks through the \
+               tube: its pale pith is made nearly clear, the dark fibres are left.",
+        weak: "outside, bundles of fibres break off in rectangles, the borders of the patches; in the translucent picture they end as bluntly.",
         paper: Some(Paper { tetrahedra: 1089, design_s: 27.0, fill_s: 18.0, cut_ms: 31.0, megabytes: 2.7 }),
     },
     Model {
@@ -82,6 +90,7 @@ pub(crate) const MODELS: [Model; 7] = [
         text: "A block of land. Depth follows the beds, not the ground: strokes run along folded layers, an arch, a \
                trough and a step, and the hills and the valley have been worn out of them. Look at how the same beds \
                come to the surface again and again, and at the pebbles, which lie flat in their bed wherever it goes.",
+        weak: "soft from near, since 64 voxels span all seventeen beds; the hill has neither soil nor grass.",
         paper: Some(Paper {
             tetrahedra: 2827,
             design_s: 113.0,
@@ -96,6 +105,7 @@ pub(crate) const MODELS: [Model; 7] = [
         text: "Four parts in one project: the layers, whose depth runs from top to foot; a coat of cream around them; \
                rosettes and strawberries that stand in the coat. One cut goes through all. Look at the slice: sponge \
                with its pores, cream and jam, and a berry with its white heart.",
+        weak: "berries, rosettes and the coat's rim are faceted; the berries' seeds are too large; it has 4,847 tetrahedra where the paper's one mesh had 2,734, since its coat is thin and its four parts keep their surfaces.",
         paper: Some(Paper {
             tetrahedra: 2734,
             design_s: 34.0,

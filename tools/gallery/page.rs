@@ -40,6 +40,8 @@ fn section(page: &mut String, one: &Shown) -> Result<(), Box<dyn Error>> {
         let height = if picture.ends_with("-exemplar.png") { 128 } else { 240 };
         writeln!(page, "<img src=\"images/gallery/{picture}\" height=\"{height}\" alt=\"{what}\">")?;
     }
+    writeln!(page)?;
+    wrap(page, &format!("*Still to be bettered:* {}", one.model.weak))?;
     let report = &one.report;
     writeln!(
         page,
