@@ -262,7 +262,7 @@ fn surface(tree: &Tree) -> (TriMesh, usize) {
     };
     // An edge between two rims' vertices is a rim's, or crosses a sawn face's corner; either stays.
     loft::relax(&mut vertices, &mut triangles, 120, |a, b| both(a) && both(b), place);
-    tidy(vertices, triangles, count)
+    tidy(&vertices, triangles, count)
 }
 
 /// The boundary of the hole in the trunk, as the triangles around it run; the tube's two ends are no holes.
@@ -289,7 +289,7 @@ fn hole(triangles: &[[u32; 3]], rings: &[Vec<u32>]) -> Vec<u32> {
 }
 
 /// The mesh without the vertices that no triangle has.
-fn tidy(vertices: Vec<DVec3>, triangles: Vec<[u32; 3]>, bark: usize) -> (TriMesh, usize) {
+fn tidy(vertices: &[DVec3], triangles: Vec<[u32; 3]>, bark: usize) -> (TriMesh, usize) {
     let mut number = vec![u32::MAX; vertices.len()];
     let mut mesh = TriMesh::default();
     for t in triangles {

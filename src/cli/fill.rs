@@ -12,6 +12,8 @@ use lapis::project::{
     fill_part,
 };
 
+use lapis::volume::MAX_HEIGHT;
+
 use super::failure::Failure;
 use super::options::{Session, Shared};
 use super::outputs;
@@ -110,8 +112,8 @@ pub(crate) fn main(args: Args) -> Result<(), Failure> {
             let option = key.replace('_', "-");
             return Err(Failure::usage(format!("--{option} {value}: it must be {range}")));
         }
-        if part.height.is_some_and(|h| !h.is_finite()) {
-            return Err(Failure::usage("--height: it must be a finite number"));
+        if part.height.is_some_and(|h| !(h.abs() <= MAX_HEIGHT)) {
+            return Err(Failure::usage("--height: it must lie between -16 and 16 units of texture space"));
         }
         outputs::ending(&output, "a model", "lapis")?;
         let output = OutputFile::check(&output, shared.force)?;

@@ -229,6 +229,9 @@ fn volume(report: &mut Report, volume: &SolidTexture) {
     #[allow(clippy::cast_precision_loss)] // at most 2³⁰ voxels of 8 bits
     let mean = sum.map(|s| (s as f64 / volume.voxels().len() as f64).round());
     report.measure("mean_colour", json!(mean));
+    if let Some(displacement) = volume.displacement() {
+        report.measure("displacement_height", f64::from(displacement.height));
+    }
     if let Some(particles) = volume.particles() {
         report.count("particles", particles.count);
         report.measure("particle_share", particles.share);

@@ -8,7 +8,7 @@ use crate::lap::LappedSolid;
 use crate::mesh::{BoundaryFace, BoxTree, FaceOrigin, TET_FACES, box_of, closest_on_triangle, index};
 
 /// Two faces lie against each other where they are nearer than this part of the model's diagonal ...
-const TOUCH: f64 = 1e-6;
+const TOUCH: f64 = 1e-5;
 /// ... and the cosine between their normals is below this.
 const FACING: f64 = -0.9;
 
@@ -31,28 +31,31 @@ pub(super) fn glue(divided: &mut Divided, solid: &LappedSolid) {
         for cell in divided.cells_at(face) {
             let [a, b, c] = face_of(divided, solid, cell, face);
             let (centre, normal) = ((a + b + c) / 3.0, (b - a).cross(c - a).normalize_or_zero());
-            let mut found = None;
-            tree.nearer(centre, touch, |other, best| {
-                let [d, e, f] = corners(outer[other]);
-                let facing = (e - d).cross(f - d).normalize_or_zero().dot(normal) < FACING;
-                if !facing || solid.part_of(outer[other].tet as usize) == part {
-                    return best;
+            // In the middle, and near the corners: a small contact may hold one of them only.
+            for point in [centre, centre.lerp(a, 0.8), centre.lerp(b, 0.8), centre.lerp(c, 0.8)] {
+                let mut found = None;
+                tree.nearer(point, touch, |other, best| {
+                    let [d, e, f] = corners(outer[other]);
+                    let facing = (e - d).cross(f - d).normalize_or_zero().dot(normal) < FACING;
+                    if !facing || solid.part_of(outer[other].tet as usize) == part {
+                        return best;
+                    }
+                    let w = closest_on_triangle([d, e, f], point);
+                    let distance = point.distance(d * w[0] + e * w[1] + f * w[2]);
+                    if distance <= best {
+                        found = Some(other);
+                    }
+                    distance.min(best)
+                });
+                let Some(other) = found else { continue };
+                // Of the parts of the other face, that on the same side of the cut.
+                let side = divided.side(cell);
+                let beside = divided.cells_at(outer[other]).find(|&o| divided.side(o) == side);
+                if let Some(beside) = beside {
+                    let of = &divided.connected.of;
+                    let [a, b] = [cell, beside].map(|cell| root(&joined, of[cell as usize]));
+                    joined[a.max(b) as usize] = a.min(b);
                 }
-                let w = closest_on_triangle([d, e, f], centre);
-                let distance = centre.distance(d * w[0] + e * w[1] + f * w[2]);
-                if distance <= best {
-                    found = Some(other);
-                }
-                distance.min(best)
-            });
-            let Some(other) = found else { continue };
-            // Of the parts of the other face, that on the same side of the cut.
-            let side = divided.side(cell);
-            let beside = divided.cells_at(outer[other]).find(|&o| divided.side(o) == side);
-            if let Some(beside) = beside {
-                let of = &divided.connected.of;
-                let [a, b] = [cell, beside].map(|cell| root(&joined, of[cell as usize]));
-                joined[a.max(b) as usize] = a.min(b);
             }
         }
     }

@@ -22,6 +22,7 @@ mod pasted;
 mod seed;
 mod solid;
 mod unfilled;
+mod valid;
 mod vertex;
 
 pub use crate::field::Fields;

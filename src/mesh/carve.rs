@@ -8,6 +8,9 @@ use super::clean::{CleanError, Provenance, clean};
 use super::{TriMesh, boxes_touch, closest_on_triangle, index};
 use crate::exec::{Cancelled, Exec};
 
+/// Two solids that share less than this part of the smaller one only touch.
+const TOUCHING: f64 = 1e-5;
+
 /// A surface after the space of others was taken out of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Carved {
@@ -32,7 +35,7 @@ pub enum CarveError {
     )]
     NoSolid(usize),
     /// The others leave nothing.
-    #[error("nothing is left of it: the others fill it wholly")]
+    #[error("nothing is left of it: the others fill it wholly; leave it out, or make it larger")]
     Nothing,
     /// What is left is no surface.
     #[error("what is left of it is no surface")]
@@ -40,7 +43,7 @@ pub enum CarveError {
 }
 
 /// Takes the space of `others` out of a closed surface whose triangles face outwards, as all of them must. Surfaces that
-/// only touch change nothing. What is left keeps its vertices to the bit, and has those of the others on the walls
+/// only touch, or share no more than 1e-5 of the smaller one, change nothing. What is left keeps its vertices to the bit, and has those of the others on the walls
 /// between, so that both sides of a wall are the same surface.
 ///
 /// `None` where no other reaches into it.
@@ -61,8 +64,8 @@ pub fn carve(surface: &TriMesh, others: &[&TriMesh], exec: &Exec) -> Result<Opti
         if next.status() != Error::NoError {
             return Err(CarveError::NoSolid(number + 1));
         }
-        // What only touches takes away nothing but rounding: its faces are no walls.
-        if left.volume() - next.volume() > 1e-12 * before {
+        // What only touches takes away nothing but what its digits were rounded by: its faces are no walls.
+        if left.volume() - next.volume() > TOUCHING * before.min(other.volume()) {
             (left, changed) = (next, true);
         }
     }

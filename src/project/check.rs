@@ -17,6 +17,7 @@ use crate::mesh::TetParams;
 use crate::paint::Ground;
 use crate::render::{RenderError, RenderParams};
 use crate::view::{Stroke, StrokeFile, is_svg};
+use crate::volume::MAX_HEIGHT;
 
 /// The cuts that are known so far, by name.
 #[derive(Default)]
@@ -247,8 +248,8 @@ fn part(name: String, entry: PartTable, cuts: &[Cut], tables: &Tables<'_>) -> Re
     if let Some((key, value, range)) = part.fill.fault() {
         return Err(ProjectProblem::Range { key: format!("fill.{key}"), value, range });
     }
-    if let Some(height) = part.height.filter(|h| !h.is_finite()) {
-        let range = "it must be finite";
+    if let Some(height) = part.height.filter(|h| !(h.abs() <= MAX_HEIGHT)) {
+        let range = "it must lie between -16 and 16 units of texture space";
         return Err(ProjectProblem::Range { key: "texture.height".to_owned(), value: height.into(), range });
     }
     // A part is painted alone: a camera that frames a cut of all parts is not the one that frames a cut of this.

@@ -86,6 +86,27 @@ pub enum PartError {
         /// Why.
         source: CarveError,
     },
+    /// A part that lies against others, whose surface says not what is inside.
+    #[error(
+        "the surface of the part '{name}' is not closed, or crosses itself, so that nobody can say what of the other parts \
+         lies inside it; repair it first (lapis info says where)"
+    )]
+    NoSolid {
+        /// The part.
+        name: String,
+    },
+    /// What is left of a part is hard to fill.
+    #[error(
+        "cannot fill with tetrahedra what is left when {} is taken out; where parts overlap by very little, or meet at a grazing \
+         angle, move them apart or deeper into each other",
+        quoted(others)
+    )]
+    Carved {
+        /// What was taken out.
+        others: Vec<String>,
+        /// Why.
+        source: TetError,
+    },
     /// A part of tetrahedra from a file into which another reaches.
     #[error(
         "another part reaches into '{name}', whose tetrahedra come from {}: those are taken as they are; give its surface \

@@ -11,7 +11,7 @@ use super::paste::pasted;
 use super::source::Source;
 use crate::exec::Exec;
 use crate::lap::{self, Joining, LappedSolid, Pasting, join};
-use crate::mesh::{Mesher, TriMesh, carve, near};
+use crate::mesh::{CarveError, Mesher, TriMesh, carve, near};
 use crate::project::Report;
 use crate::render::Mark;
 use crate::volume::{self, SolidTexture};
@@ -172,9 +172,14 @@ fn sum(report: &mut Report, own: &[Report]) {
             own.iter().filter_map(|r| number(r, name).map(|n| (n, weight(r)))).collect();
         let Some(one) = own.first().filter(|_| all.len() == own.len()) else { return };
         let value = of(&all);
-        if one.counts.contains_key(name) {
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // sums of counts
+        // Whole numbers stay whole, and everything where it was.
+        let whole = |map: &Map<String, Value>| map.get(name).is_some_and(Value::is_u64);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        // of whole numbers that are not negative
+        if whole(&one.counts) {
             report.count(name, value as usize);
+        } else if whole(&one.measures) && value.fract() == 0.0 {
+            report.measure(name, value as u64);
         } else {
             report.measure(name, value);
         }
@@ -187,6 +192,9 @@ fn sum(report: &mut Report, own: &[Report]) {
     });
     LARGEST.iter().for_each(|name| together(name, |all| all.iter().map(|n| n.0).fold(0.0, f64::max)));
 }
+
+/// Volumes count as equal within this part of them: rounding shall not decide who has the space.
+const SAME: f64 = 1e-9;
 
 /// Takes out of each part's surface the space of the smaller ones that reach into it.
 fn carved(parts: &[Part], mut sources: Vec<Source>, exec: &Exec) -> Result<Vec<Source>, PartError> {
@@ -201,14 +209,19 @@ fn carved(parts: &[Part], mut sources: Vec<Source>, exec: &Exec) -> Result<Vec<S
         source.kept = !beside.is_empty();
         // Of two of one volume, the later one.
         let inner: Vec<usize> = (beside.into_iter())
-            .filter(|&o| volume[o] < volume[n] || volume[o] == volume[n] && o > n)
+            .filter(|&o| match (volume[o] / volume[n] - 1.0) / SAME {
+                less if less < -1.0 => true,
+                more if more > 1.0 => false,
+                _ => o > n,
+            })
             .collect();
         let others: Vec<&TriMesh> = inner.iter().map(|&o| &surfaces[o]).collect();
         let name = |o: usize| parts[o].name.clone();
-        let failed = |source| PartError::Carve {
-            name: name(n),
-            others: inner.iter().map(|&o| name(o)).collect(),
-            source,
+        let names = || inner.iter().map(|&o| name(o)).collect();
+        let failed = |source| match source {
+            CarveError::NoSolid(0) => PartError::NoSolid { name: name(n) },
+            CarveError::NoSolid(other) => PartError::NoSolid { name: name(inner[other - 1]) },
+            source => PartError::Carve { name: name(n), others: names(), source },
         };
         let Some(carved) = carve(&surfaces[n], &others, exec).map_err(failed)? else { continue };
         if source.tets.is_some() {
@@ -219,6 +232,7 @@ fn carved(parts: &[Part], mut sources: Vec<Source>, exec: &Exec) -> Result<Vec<S
         let worn = std::mem::take(&mut source.wear).carried_over(&carved.from);
         source.wear = worn.with_walls(carved.from.triangles().len(), &walls);
         source.surface = carved.mesh;
+        source.carved_by = names();
     }
     Ok(sources)
 }

@@ -63,6 +63,14 @@ pub enum RunError {
         /// How many there are.
         pieces: usize,
     },
+    /// A picture of parts that what it shows has nothing of.
+    #[error("the picture '{name}' shows nothing: what it shows has nothing of '{parts}'")]
+    NothingShown {
+        /// Its name.
+        name: String,
+        /// The parts.
+        parts: String,
+    },
     /// A picture failed.
     #[error("cannot draw the picture '{name}'")]
     Picture {
@@ -194,6 +202,9 @@ impl Work<'_> {
         let entry = &picture.entry;
         let shown = models.shown(&picture.show, || format!("the picture '{}'", entry.name))?;
         let shown = of_parts(&shown, &entry.parts);
+        if shown.is_empty() {
+            return Err(RunError::NothingShown { name: entry.name.clone(), parts: entry.parts.join("', '") });
+        }
         let placed = apart(&shown.iter().map(|s| &**s).collect::<Vec<_>>(), entry.apart);
         let aspect = f64::from(entry.render.width) / f64::from(entry.render.height);
         let camera = match (entry.camera, entry.from, entry.turntable) {

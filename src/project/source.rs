@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::part_error::PartError;
 use super::report::Report;
 use crate::exec::Exec;
-use crate::mesh::{self, CleanReport, Mesher, TetMesh, TetParams, TetReport, TriMesh, Wear};
+use crate::mesh::{self, CleanReport, Mesher, TetError, TetMesh, TetParams, TetReport, TriMesh, Wear};
 
 /// The tetrahedra of a part, and the surface that they were made of.
 #[derive(Debug, Clone, Default)]
@@ -33,6 +33,8 @@ pub(super) struct Source {
     pub(super) wear: Wear,
     /// Whether the surface must stay as it is, since another part lies against it.
     pub(super) kept: bool,
+    /// The parts that were taken out of it.
+    pub(super) carved_by: Vec<String>,
 }
 
 impl Source {
@@ -46,7 +48,13 @@ impl Source {
                 triangles: tets.boundary.iter().map(|f| tets.face_vertices(f)).collect(),
             };
             report.took("read", start);
-            return Ok(Self { tets: Some(tets), surface, wear: Wear::default(), kept: false });
+            return Ok(Self {
+                tets: Some(tets),
+                surface,
+                wear: Wear::default(),
+                kept: false,
+                carved_by: Vec::new(),
+            });
         }
         let file = mesh::read(path)?;
         report.notes.extend(file.notes);
@@ -58,7 +66,7 @@ impl Source {
         report.notes.extend(cleaning_note(&cleaned.report));
         let wear = file.wear.carried_over(&cleaned.from);
         report.took("read", start);
-        Ok(Self { tets: None, surface: cleaned.mesh, wear, kept: false })
+        Ok(Self { tets: None, surface: cleaned.mesh, wear, kept: false, carved_by: Vec::new() })
     }
 
     /// Fills the surface with tetrahedra; those of a file are taken as they are.
@@ -70,14 +78,20 @@ impl Source {
         report: &mut Report,
         exec: &Exec,
     ) -> Result<PartMesh, PartError> {
-        let Self { tets, surface, wear, kept } = self;
+        let Self { tets, surface, wear, kept, carved_by } = self;
         let start = Instant::now();
         let mesh = if let Some(mesh) = tets {
             mesh
         } else {
             let params = TetParams { keep_surface: params.keep_surface || kept, ..params.clone() };
-            let (mesh, made) = mesh::tetrahedralise(&surface, &params, mesher, exec)
-                .map_err(|source| PartError::Tetrahedralise { path: path.to_owned(), source })?;
+            let (mesh, made) =
+                mesh::tetrahedralise(&surface, &params, mesher, exec).map_err(|source| {
+                    match (source, &carved_by[..]) {
+                        (TetError::Cancelled(e), _) => e.into(),
+                        (source, []) => PartError::Tetrahedralise { path: path.to_owned(), source },
+                        (source, _) => PartError::Carved { others: carved_by.clone(), source },
+                    }
+                })?;
             let mut making = Report::default();
             making.add(&made);
             report.nest("tetrahedralised", making);

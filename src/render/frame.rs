@@ -3,6 +3,8 @@
 use glam::{DVec2, DVec3};
 
 use super::Placed;
+use crate::lap::LappedSolid;
+use crate::mesh::FaceOrigin;
 use crate::view::Camera;
 
 /// The part of the picture that the solids fill.
@@ -61,14 +63,34 @@ pub(super) fn boundary_points(solids: &[Placed<'_>]) -> Vec<DVec3> {
     let mut points = Vec::new();
     for placed in solids {
         let mesh = &placed.solid.mesh;
+        let standing = standing(placed.solid);
         let mut seen = vec![false; mesh.vertices.len()];
         for v in mesh.boundary.iter().flat_map(|f| mesh.face_vertices(f)) {
             if !std::mem::replace(&mut seen[v as usize], true) {
-                points.push(mesh.vertices[v as usize] + placed.offset);
+                let out = standing.get(v as usize).copied().unwrap_or_default();
+                points.push(mesh.vertices[v as usize] + out + placed.offset);
             }
         }
     }
     points
+}
+
+/// How far each vertex may stand out by displacement; empty where nothing does.
+fn standing(solid: &LappedSolid) -> Vec<DVec3> {
+    let heights = solid.exemplars.iter().filter_map(|e| e.displacement()).map(|d| f64::from(d.height));
+    let height = heights.fold(0.0, f64::max);
+    if height <= 0.0 {
+        return Vec::new();
+    }
+    let mesh = &solid.mesh;
+    let mut normals = vec![DVec3::ZERO; mesh.vertices.len()];
+    for face in mesh.boundary.iter().filter(|f| matches!(f.origin, FaceOrigin::Input(_))) {
+        let v = mesh.face_vertices(face);
+        let [a, b, c] = v.map(|v| mesh.vertices[v as usize]);
+        v.iter().for_each(|v| normals[*v as usize] += (b - a).cross(c - a));
+    }
+    let out = |(n, frame): (&DVec3, &[DVec3; 3])| n.normalize_or_zero() * (height * frame[0].length());
+    normals.iter().zip(&solid.frame).map(out).collect()
 }
 
 /// Where the eye must stand along one axis for the picture of all points to have equal margins on both sides.

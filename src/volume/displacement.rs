@@ -5,12 +5,16 @@ use std::io;
 use super::beside::{Beside, BesideError, read as read_beside};
 use super::nrrd;
 
+/// The most that a displacement may stand out, or go in, in units of texture space.
+pub const MAX_HEIGHT: f32 = 16.0;
+
 /// How far a solid texture stands out of the surface that shows it: its displacement channel \[LST 6\].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Displacement {
     /// For each voxel, x fastest: 0 lies on the surface, 255 farthest from it.
     pub values: Vec<u8>,
-    /// How far 255 stands out, in units of texture space; below 0 it goes inwards. Finite.
+    /// How far 255 stands out, in units of texture space; below 0 it goes inwards. At most
+    /// [`MAX_HEIGHT`] either way.
     pub height: f32,
 }
 

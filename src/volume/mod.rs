@@ -18,7 +18,7 @@ mod texture;
 
 pub use arrays::ArrayError;
 pub use beside::{Beside, BesideError};
-pub use displacement::Displacement;
+pub use displacement::{Displacement, MAX_HEIGHT};
 pub use file::{VolumeReadError, VolumeWriteError, read, read_mask, to_files, to_nrrd, write, write_mask};
 pub use mask::AlphaMask;
 pub use npy::NpyError;

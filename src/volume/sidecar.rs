@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::beside::BesideError;
 use super::block::{Block, Names};
+use super::displacement::MAX_HEIGHT;
 use super::nrrd::{axes, parse_axes};
 use super::placed::{Placed, Print};
 use super::texture::SolidTexture;
@@ -74,8 +75,8 @@ impl Sidecar {
         if parse_axes(&sidecar.tiles).is_none() {
             return Err(fail(format!("{:?} is not made of the letters x, y, z", sidecar.tiles)));
         }
-        if sidecar.displacement.is_some() && !sidecar.height.is_some_and(f32::is_finite) {
-            let problem = "`displacement` needs `height`: how far 255 stands out, in units of texture space";
+        if sidecar.displacement.is_some() && !sidecar.height.is_some_and(|h| h.abs() <= MAX_HEIGHT) {
+            let problem = "`displacement` needs `height` from -16 to 16: how far 255 stands out, in units of texture space";
             return Err(fail(problem.to_owned()));
         }
         Ok(sidecar)

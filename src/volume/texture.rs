@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::displacement::Displacement;
+use super::displacement::{Displacement, MAX_HEIGHT};
 use crate::colour::{LinearRgba, linear_table};
 
 /// The most voxels along one axis.
@@ -24,9 +24,9 @@ pub enum VolumeError {
         /// Voxels that are there.
         found: usize,
     },
-    /// More or fewer displacements than voxels, or a height that is no number.
+    /// More or fewer displacements than voxels, or a height out of its range.
     #[error(
-        "{found} displacements of height {height} for {expected} voxels; give one for each, and a finite height"
+        "{found} displacements of height {height} for {expected} voxels; give one for each, and a height from -16 to 16"
     )]
     Displacement {
         /// Voxels of the volume.
@@ -119,19 +119,19 @@ impl SolidTexture {
     /// units of texture space, is how far 255 stands out of it.
     ///
     /// # Errors
-    /// [`VolumeError::Displacement`] where there are more or fewer values than voxels, or the height is not finite.
+    /// [`VolumeError::Displacement`] where there are more or fewer values than voxels, or the height is out of its range.
     pub fn with_displacement(self, values: Vec<u8>, height: f32) -> Result<Self, VolumeError> {
         let (expected, found) = (self.voxels.len(), values.len());
-        if found != expected || !height.is_finite() {
+        if found != expected || !(height.abs() <= MAX_HEIGHT) {
             return Err(VolumeError::Displacement { expected, found, height });
         }
         Ok(Self { displacement: Some(Displacement { values, height }), ..self })
     }
 
-    /// The same texture with another height of its displacement, where it has one. Not finite: as it was.
+    /// The same texture with another height of its displacement, where it has one. Out of its range: as it was.
     #[must_use]
     pub fn with_height(mut self, height: f32) -> Self {
-        if let Some(displacement) = self.displacement.as_mut().filter(|_| height.is_finite()) {
+        if let Some(displacement) = self.displacement.as_mut().filter(|_| height.abs() <= MAX_HEIGHT) {
             displacement.height = height;
         }
         self

@@ -1,5 +1,6 @@
 //! The surface as it is drawn and exported: the boundary of a lapped solid, moved by its displacement \[LST 6\].
 
+mod contact;
 mod params;
 mod split;
 
@@ -37,8 +38,8 @@ impl Parent {
 /// The surface of a solid in its final shape.
 ///
 /// Without a displacement it is the surface itself. With one, the outside's faces are divided until edges follow the
-/// displacement, and their corners moved along the normal. Corners on the rim of a cut move within the cut, so that it
-/// stays what it is and nothing opens; walls between parts stay where they are.
+/// displacement, and their corners moved along the normal. Corners on the rim of a cut move within the cut and never inwards, so
+/// that it stays what it is and nothing opens; where a part lies against another it stays where it is.
 #[derive(Debug, Clone)]
 pub struct Shell {
     /// Positions.

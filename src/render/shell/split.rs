@@ -9,6 +9,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::super::surface::Surface;
+use super::contact::Contact;
 use super::{DisplaceParams, Parent, Role};
 use crate::exec::{Cancelled, Exec};
 use crate::mesh::{NONE, TET_FACES, index};
@@ -28,24 +29,43 @@ struct Spot {
     base: DVec3,
     /// Unit normal of the outside there; zero where there is none.
     outwards: DVec3,
+    /// The different normals of the outside's faces around it. Those around the rim of a cut are the same on both sides of the
+    /// cut, however large the faces are there.
+    normals: Vec<DVec3>,
+    /// The part that it is of.
+    part: usize,
     /// World length of a unit of texture space.
     scale: f64,
-    /// Sum and number of the heights that faces around it see, in world lengths.
-    height: (f64, u32),
-    /// Whether a wall holds it.
+    /// The different heights that faces around it see, in world lengths.
+    heights: Vec<f64>,
+    /// Whether another part holds it.
     held: bool,
     /// Sums of the normals of cuts around it.
     cuts: Vec<(u32, DVec3)>,
 }
 
 impl Spot {
-    fn at(base: DVec3, scale: f64) -> Self {
-        Self { base, outwards: DVec3::ZERO, scale, height: (0.0, 0), held: false, cuts: Vec::new() }
+    fn at(base: DVec3, scale: f64, part: usize) -> Self {
+        Self {
+            base,
+            outwards: DVec3::ZERO,
+            normals: Vec::new(),
+            part,
+            scale,
+            heights: Vec::new(),
+            held: false,
+            cuts: Vec::new(),
+        }
     }
 
     /// How far it is moved.
     fn moved(&self) -> DVec3 {
-        if self.held || self.height.1 == 0 {
+        if self.held || self.heights.is_empty() {
+            return DVec3::ZERO;
+        }
+        let height = self.heights.iter().sum::<f64>() / self.heights.len() as f64;
+        if height < 0.0 && !self.cuts.is_empty() {
+            // Inwards the rim would pass what lies within the cut, and fold it.
             return DVec3::ZERO;
         }
         let mut along = self.outwards;
@@ -56,7 +76,17 @@ impl Spot {
             along -= own * own.dot(along);
             axes.push(own);
         }
-        along * (self.height.0 / f64::from(self.height.1))
+        along * height
+    }
+
+    fn add_outside(&mut self, normal: DVec3, height: f64) {
+        let unit = normal.normalize_or_zero();
+        if self.normals.iter().all(|n| n.distance_squared(unit) > 1e-12) {
+            self.normals.push(unit);
+        }
+        if self.heights.iter().all(|h| (h - height).abs() > 1e-9 * self.scale) {
+            self.heights.push(height);
+        }
     }
 
     fn add_cut(&mut self, cut: u32, normal: DVec3) {
@@ -78,6 +108,8 @@ pub(super) struct Splitter<'a> {
     roles: Vec<Role>,
     /// Voxels of the finest displacement over a unit of texture space.
     voxels: f64,
+    /// Where parts lie against each other.
+    contact: Option<Contact>,
 }
 
 /// Places, triangles and where these lie on the surface.
@@ -100,6 +132,7 @@ impl<'a> Splitter<'a> {
             parents: (0..count).map(Parent::whole).collect(),
             roles: (0..count).map(|f| Role::of(surface, f)).collect(),
             voxels: f64::from(finest),
+            contact: Contact::new(solid),
         };
         // Only vertices that the boundary has.
         let mut number: BTreeMap<u32, u32> = BTreeMap::new();
@@ -107,7 +140,8 @@ impl<'a> Splitter<'a> {
             let corners = mesh.face_vertices(face).map(|v| {
                 *number.entry(v).or_insert_with(|| {
                     let scale = solid.frame[v as usize][0].length();
-                    all.spots.push(Spot::at(mesh.vertices[v as usize], scale));
+                    let part = solid.part_of(face.tet as usize);
+                    all.spots.push(Spot::at(mesh.vertices[v as usize], scale, part));
                     index(all.spots.len() - 1)
                 })
             });
@@ -127,7 +161,13 @@ impl<'a> Splitter<'a> {
                 all.meet(all.triangles[f][k], role, normal, height * scale);
             }
         }
-        all.spots.iter_mut().for_each(|s| s.outwards = s.outwards.normalize_or_zero());
+        for spot in &mut all.spots {
+            // By area where there is no cut: many small faces shall not count for more than a large one.
+            let different = || spot.normals.iter().sum::<DVec3>();
+            let outwards = if spot.cuts.is_empty() { spot.outwards } else { different() };
+            spot.outwards = outwards.normalize_or_zero();
+            spot.held |= all.contact.as_ref().is_some_and(|c| c.touches(spot.part, spot.base));
+        }
         all
     }
 
@@ -167,7 +207,7 @@ impl<'a> Splitter<'a> {
     fn meet(&mut self, spot: u32, role: Role, normal: DVec3, height: f64) {
         let spot = &mut self.spots[spot as usize];
         match role {
-            Role::Outside => spot.height = (spot.height.0 + height, spot.height.1 + 1),
+            Role::Outside => spot.add_outside(normal, height),
             Role::Cut(cut) => spot.add_cut(cut, normal),
             Role::Wall => spot.held = true,
         }
@@ -253,7 +293,9 @@ impl<'a> Splitter<'a> {
         let mut middles = vec![NONE; marked.len()];
         for (e, ends) in edges.ends.iter().enumerate().filter(|(e, _)| marked[*e]) {
             let [a, b] = ends.map(|s| &self.spots[s as usize]);
-            let mut middle = Spot::at((a.base + b.base) * 0.5, 0.5 * (a.scale + b.scale));
+            let mut middle = Spot::at((a.base + b.base) * 0.5, 0.5 * (a.scale + b.scale), a.part);
+            let held = |c: &Contact| (a.held || b.held) && c.touches(middle.part, middle.base);
+            middle.held = self.contact.as_ref().is_some_and(held);
             middle.outwards = (a.outwards + b.outwards).normalize_or_zero();
             middles[e] = index(self.spots.len());
             self.spots.push(middle);

@@ -5,6 +5,7 @@ use std::io::{self, Read};
 use flate2::read::MultiGzDecoder;
 
 use super::super::beside::plain_name;
+use super::super::displacement::MAX_HEIGHT;
 use super::{NrrdError, parse_axes};
 
 /// The longest header that is read, in bytes.
@@ -119,11 +120,10 @@ impl Header {
     pub(super) fn height(&self) -> Result<f32, NrrdError> {
         let entry = self.need(HEIGHT)?;
         match entry.value.parse::<f32>() {
-            Ok(height) if height.is_finite() => Ok(height),
-            _ => {
-                Err(entry
-                    .wrong("it must be a finite number: how far 255 stands out, in units of texture space"))
-            }
+            Ok(height) if height.abs() <= MAX_HEIGHT => Ok(height),
+            _ => Err(entry.wrong(
+                "it must be a number from -16 to 16: how far 255 stands out, in units of texture space",
+            )),
         }
     }
 
