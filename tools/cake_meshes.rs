@@ -13,7 +13,6 @@ mod star;
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::process::ExitCode;
 
 use glam::DVec3;
@@ -33,18 +32,8 @@ const COUNT: u32 = 5;
 const CUT: f64 = 9.0;
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let print = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        [] => false,
-        ["--strokes"] => true,
-        _ => {
-            eprintln!("usage: cake_meshes [--strokes]");
-            return ExitCode::from(2);
-        }
-    };
-    if print && let Err(e) = std::io::stdout().write_all(strokes().as_bytes()) {
-        eprintln!("cannot print the strokes: {e}");
-        return ExitCode::FAILURE;
+    if let Err(code) = shape::print_strokes("cake_meshes", strokes) {
+        return code;
     }
     let cake = Cake::new();
     let groups = [("top", cake.top.len()), ("side", cake.side.len()), ("foot", cake.foot.len())];

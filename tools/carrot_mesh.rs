@@ -12,7 +12,6 @@ mod shape;
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::process::ExitCode;
 
 use glam::DVec3;
@@ -55,20 +54,10 @@ const APART: [f64; 2] = [0.85, 1.5];
 const STEPS: usize = 200;
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let print = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        [] => false,
-        ["--strokes"] => true,
-        _ => {
-            eprintln!("usage: carrot_mesh [--strokes]");
-            return ExitCode::from(2);
-        }
-    };
     let line = Line::new();
     let mesh = carrot(&line);
-    if print && let Err(e) = std::io::stdout().write_all(strokes(&line).as_bytes()) {
-        eprintln!("cannot print the strokes: {e}");
-        return ExitCode::FAILURE;
+    if let Err(code) = shape::print_strokes("carrot_mesh", || strokes(&line)) {
+        return code;
     }
     shape::program("carrot", mesh)
 }

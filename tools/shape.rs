@@ -1,11 +1,32 @@
 //! What the programs that make surfaces share: a last check, and the file.
 
+use std::io::Write as _;
 use std::path::Path;
 use std::process::ExitCode;
 
 use lapis::exec::Exec;
 use lapis::files;
 use lapis::mesh::{self, TriMesh};
+
+/// Reads a program's command line, and prints its strokes where `--strokes` asks for them.
+///
+/// # Errors
+/// The exit code, after a word on what is wrong.
+#[allow(dead_code)] // not all have strokes
+pub(crate) fn print_strokes(program: &str, strokes: impl FnOnce() -> String) -> Result<(), ExitCode> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        [] => Ok(()),
+        ["--strokes"] => std::io::stdout().write_all(strokes().as_bytes()).map_err(|e| {
+            eprintln!("cannot print the strokes: {e}");
+            ExitCode::FAILURE
+        }),
+        _ => {
+            eprintln!("usage: {program} [--strokes]");
+            Err(ExitCode::from(2))
+        }
+    }
+}
 
 /// Writes `meshes/NAME.obj`, in thousandths of its unit, and says what it is like; fails where it does not
 /// enclose a solid.

@@ -10,7 +10,6 @@ mod loft;
 mod shape;
 
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::process::ExitCode;
 
 use glam::DVec3;
@@ -25,18 +24,8 @@ const PILE: f64 = 150.0;
 const TOP: f64 = 101.0;
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let print = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        [] => false,
-        ["--strokes"] => true,
-        _ => {
-            eprintln!("usage: strata_mesh [--strokes]");
-            return ExitCode::from(2);
-        }
-    };
-    if print && let Err(e) = std::io::stdout().write_all(strokes().as_bytes()) {
-        eprintln!("cannot print the strokes: {e}");
-        return ExitCode::FAILURE;
+    if let Err(code) = shape::print_strokes("strata_mesh", strokes) {
+        return code;
     }
     let (mesh, ground) = block();
     let side = mesh.triangles.len() - ground;

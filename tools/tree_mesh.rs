@@ -13,7 +13,6 @@ mod shape;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::process::ExitCode;
 
 use glam::DVec3;
@@ -47,19 +46,9 @@ const FILLET: f64 = 50.0;
 const STEPS: usize = 30;
 
 fn main() -> ExitCode {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let print = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
-        [] => false,
-        ["--strokes"] => true,
-        _ => {
-            eprintln!("usage: tree_mesh [--strokes]");
-            return ExitCode::from(2);
-        }
-    };
     let tree = Tree { limbs: [Limb::new(&TRUNK, true), Limb::new(&BRANCH, false)] };
-    if print && let Err(e) = std::io::stdout().write_all(strokes(&tree).as_bytes()) {
-        eprintln!("cannot print the strokes: {e}");
-        return ExitCode::FAILURE;
+    if let Err(code) = shape::print_strokes("tree_mesh", || strokes(&tree)) {
+        return code;
     }
     let (mesh, bark) = surface(&tree);
     let ends = mesh.triangles.len() - bark;

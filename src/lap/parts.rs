@@ -20,8 +20,8 @@ pub struct SolidPart {
     pub first_tet: u32,
     /// Its first number in [`FaceOrigin::Input`]: those from here to the next part's are its own.
     pub first_input: u32,
-    /// How many of these, the first ones, are its outside. The others are walls to parts that lie within it or that it
-    /// lies in.
+    /// How many of these, the first ones, are its outside. The others are its walls to smaller parts that lie within it or
+    /// reach into it.
     pub outside: u32,
 }
 

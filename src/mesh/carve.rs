@@ -44,7 +44,7 @@ pub enum CarveError {
 
 /// Takes the space of `others` out of a closed surface whose triangles face outwards, as all of them must. Surfaces that
 /// only touch, or share no more than 1e-5 of the smaller one, change nothing. What is left keeps its vertices to the bit, and has those of the others on the walls
-/// between, so that both sides of a wall are the same surface.
+/// between, so that both sides of a wall have the same shape.
 ///
 /// `None` where no other reaches into it.
 ///
