@@ -70,6 +70,39 @@ fn it_moves_the_surface_in_exports_and_pictures() {
     assert_eq!(draw("zero", 2), draw("flat", 2));
 }
 
+/// A stone that stands out does not reach into the fruit around it.
+#[test]
+fn a_part_is_held_where_it_lies_against_another() {
+    let bench = bumpy();
+    let ball = String::from_utf8(bench.read("ball.obj")).unwrap();
+    let small = |line: &str| match line.strip_prefix("v ") {
+        Some(numbers) => {
+            let half = |n: &str| (n.parse::<f64>().unwrap() * 0.5).to_string();
+            format!("v {}\n", numbers.split(' ').map(half).collect::<Vec<_>>().join(" "))
+        }
+        None => format!("{line}\n"),
+    };
+    bench.file("stone.obj", ball.lines().map(small).collect::<String>());
+    let part = |name: &str, mesh: &str, texture: &str| {
+        format!(
+            "[[part]]\nname = \"{name}\"\n[part.mesh]\nfile = \"{mesh}\"\ntets = 400\n[part.texture]\n{texture}\ntype = \"0\"\n\
+             [part.scale]\neverywhere = 0.8\n"
+        )
+    };
+    let enclosed = |name: &str, height: f64| {
+        let flesh = part("flesh", "ball.obj", "volume = \"volume.nrrd\"");
+        let stone = part("stone", "stone.obj", &format!("volume = \"bumpy.nrrd\"\nheight = {height}"));
+        bench.file(
+            &format!("{name}.toml"),
+            format!("picture = []\n{flesh}{stone}[export]\nformats = [\"stl\"]\n"),
+        );
+        bench.ok(&format!("run {name}.toml -o {name} --quiet"));
+        stl(&bench.read(&format!("{name}/{name}.stl"))).1
+    };
+    let (flat, bumps) = (enclosed("flat", 0.0), enclosed("bumps", 0.3));
+    assert!((bumps / flat - 1.0).abs() < 1e-5, "{bumps} and {flat}");
+}
+
 #[test]
 fn pieces_keep_it_and_close_up() {
     let bench = bumpy();

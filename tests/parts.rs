@@ -166,6 +166,27 @@ fn the_same_bytes_on_any_number_of_threads_and_pictures_of_some_parts() {
 }
 
 #[test]
+fn of_equal_parts_the_later_has_the_space() {
+    let bench = Bench::new();
+    bench.file("a.obj", placed(1.0, [0.0; 3]));
+    bench.file("b.obj", placed(1.0, [0.7, 0.3, 0.1]));
+    for order in [["a", "b"], ["b", "a"]] {
+        let part = |name: &str| {
+            format!(
+                "[[part]]\nname = \"{name}\"\n[part.mesh]\nfile = \"{name}.obj\"\ntets = 300\n[part.texture]\n\
+                 volume = \"volume.nrrd\"\ntype = \"0\"\n[part.scale]\neverywhere = 0.8\n"
+            )
+        };
+        let project = order.map(part).concat();
+        bench.file("p.toml", format!("picture = []\n{project}[export]\nformats = []\n"));
+        bench.ok("run p.toml -o out --quiet");
+        let model = LappedSolid::from_bytes(&bench.read("out/p.lapis")).unwrap();
+        let [first, later] = [0, 1].map(|n| model.only_parts(|p| p == n).mesh.volume());
+        assert!(first < 0.9 * later, "{order:?}: {first} and {later}");
+    }
+}
+
+#[test]
 fn what_is_wrong_names_the_part() {
     let bench = fruit();
     let cases: [(&str, &str, &[&str]); 6] = [
