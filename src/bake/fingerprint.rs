@@ -12,13 +12,21 @@ pub(super) fn fingerprint(models: &[&LappedSolid]) -> u64 {
         hash.bytes(bytemuck::cast_slice(&solid.layer_patch));
         hash.bytes(bytemuck::cast_slice(solid.layer_uvw.as_flattened()));
         hash.numbers(solid.patches.iter().map(|p| u64::from(p.exemplar) << 32 | u64::from(p.mask)));
+        hash.numbers(solid.patches.iter().map(|p| u64::from(p.choice)));
+        hash.numbers(solid.patches.iter().flat_map(|p| p.shift.map(|s| u64::from(s.to_bits()))));
+        for choice in &solid.choices {
+            hash.bytes(&[u8::from(choice.takes(u32::MAX))]);
+            hash.bytes(bytemuck::cast_slice(choice.labels()));
+        }
         for exemplar in &solid.exemplars {
             hash.numbers(exemplar.size().map(u64::from));
             hash.bytes(&exemplar.tiles().map(u8::from));
             hash.bytes(exemplar.voxels().as_flattened());
+            hash.bytes(bytemuck::cast_slice(exemplar.labels().unwrap_or_default()));
         }
         for mask in &solid.masks {
             hash.numbers(mask.size().map(u64::from));
+            hash.bytes(&[u8::from(mask.is_everywhere())]);
             hash.bytes(mask.alpha());
         }
     }

@@ -169,6 +169,7 @@ fn piece(
         patches: solid.patches.clone(),
         exemplars: solid.exemplars.clone(),
         masks: solid.masks.clone(),
+        choices: solid.choices.clone(),
         look: solid.look.clone(),
         parts: solid.parts.clone(),
         tet_origin: cells.iter().map(|&c| solid.tet_origin[parent(c)]).collect(),

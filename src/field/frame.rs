@@ -35,8 +35,11 @@ pub struct FrameField {
     pub s: Vec<DVec3>,
     /// World length of one unit of texture along the axes whose coordinate is solved for, in each tetrahedron.
     pub length: Vec<f64>,
-    /// The same along each axis whose coordinate is given: exactly 1/|∇coordinate|. Empty for the others.
-    given_length: [Vec<f64>; 3],
+    /// The same along each axis that has lengths of its own: exactly 1/|∇coordinate| where the coordinate is given.
+    /// Empty for the others.
+    pub(super) own_length: [Vec<f64>; 3],
+    /// Which coordinates are given.
+    pub(super) given: [bool; 3],
 }
 
 /// Lengths 1/|∇depth| beyond this many medians are cut: the gradient vanishes on the innermost set.
@@ -79,11 +82,11 @@ impl FrameField {
         let across_s = |(t, r): (usize, DVec3)| s.get(t).map_or(r, |s| perpendicular(r, *s));
         let r = wanted.into_iter().enumerate().map(across_s).collect();
         let mut rises = [along, depth, across].into_iter().zip(given);
-        let given_length = std::array::from_fn(|_| match rises.next() {
+        let own_length = std::array::from_fn(|_| match rises.next() {
             Some((Some(rise), true)) => rise.lengths(mesh),
             _ => Vec::new(),
         });
-        let mut frames = Self { r, s, length, given_length };
+        let mut frames = Self { r, s, length, own_length, given };
         if given[1] && !given[0] {
             frames.shorten_where_turning(mesh);
         }
@@ -161,13 +164,18 @@ impl FrameField {
     /// How many coordinates are solved for.
     #[must_use]
     pub(crate) fn free_axes(&self) -> usize {
-        self.given_length.iter().filter(|l| l.is_empty()).count()
+        self.given.iter().filter(|given| !**given).count()
     }
 
     /// World lengths of one unit of texture along R, S and T in tetrahedron `t`.
     #[must_use]
     pub fn lengths(&self, t: usize) -> DVec3 {
-        DVec3::from_array(self.given_length.each_ref().map(|l| l.get(t).copied().unwrap_or(self.length[t])))
+        DVec3::from_array(self.own_length.each_ref().map(|l| l.get(t).copied().unwrap_or(self.length[t])))
+    }
+
+    /// Gives `axis` lengths of its own, one for each tetrahedron.
+    pub(crate) fn set_lengths(&mut self, axis: usize, lengths: Vec<f64>) {
+        self.own_length[axis] = lengths;
     }
 
     /// Its singularities; none where no axis is fixed. With `line_field` R has no sense.
@@ -272,7 +280,7 @@ fn largest_stretch(m: &DMat3) -> f64 {
 }
 
 /// Volume-weighted means at the vertices of a vector per tetrahedron.
-fn vertex_means(mesh: &TetMesh, values: &[DVec3]) -> Vec<DVec3> {
+pub(super) fn vertex_means(mesh: &TetMesh, values: &[DVec3]) -> Vec<DVec3> {
     let mut sum = vec![DVec3::ZERO; mesh.vertices.len()];
     let mut weight = vec![0.0; mesh.vertices.len()];
     for (t, value) in values.iter().enumerate() {

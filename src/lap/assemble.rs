@@ -12,8 +12,8 @@ use super::pasted::Pasted;
 use super::solid::{LappedSolid, Patch};
 use crate::exec::{Cancelled, Exec};
 use crate::field::Fields;
-use crate::mesh::TetMesh;
-use crate::volume::{AlphaMask, SolidTexture};
+use crate::mesh::{NONE, TetMesh};
+use crate::volume::{AlphaMask, Choice, SolidTexture};
 
 /// A layer before assembly: its patch and its place in the patch's lists.
 type Slot = (u32, u32);
@@ -66,7 +66,8 @@ pub(super) fn stack(
                     .map(|&(p, slot)| {
                         let patch = &pasted[p as usize];
                         let mask = patch.mask as usize;
-                        Layer { uvw: &patch.uvw[slot as usize], mask: &masks[mask], table: &tables[mask] }
+                        let (uvw, chosen) = (&patch.uvw[slot as usize], patch.choice != NONE);
+                        Layer { uvw, mask: &masks[mask], table: &tables[mask], chosen }
                     })
                     .collect();
                 seen.extend(visible(&layers));
@@ -83,7 +84,8 @@ pub(super) fn assemble(
     fields: Fields,
     frame: Vec<[DVec3; 3]>,
     masks: Vec<AlphaMask>,
-    texture: Arc<SolidTexture>,
+    exemplars: Vec<Arc<SolidTexture>>,
+    choices: Vec<Choice>,
     pasted: &[Pasted],
     stacks: &Stacks,
 ) -> (LappedSolid, usize) {
@@ -103,7 +105,8 @@ pub(super) fn assemble(
             kept.push(mask);
             kept.len() as u32 - 1
         });
-        patches.push(Patch { exemplar: 0, mask });
+        let Pasted { exemplar, choice, shift, .. } = pasted[p];
+        patches.push(Patch { exemplar, mask, choice, shift });
     }
     let mut masks: Vec<Option<AlphaMask>> = masks.into_iter().map(Some).collect();
     let masks = kept.into_iter().filter_map(|m| masks[m].take()).map(Arc::new).collect();
@@ -133,8 +136,9 @@ pub(super) fn assemble(
         layer_patch,
         layer_uvw,
         patches,
-        exemplars: vec![texture],
+        exemplars,
         masks,
+        choices: choices.into_iter().map(Arc::new).collect(),
         look: None,
         parts: Vec::new(),
         tet_origin,

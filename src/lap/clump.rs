@@ -15,7 +15,7 @@ use glam::DVec3;
 use super::coverage::{Alpha, MaskTable, POINTS, Presence, lattice_point, sample_lattice};
 use super::feather::feathered;
 use super::frames::PatchFrames;
-use super::optimise::{Element, optimise};
+use super::optimise::{Anchor, Element, optimise};
 use super::pasted::{Fit, Ground, INVERTED, Pasted, Seed, columns};
 use super::solid::interpolate;
 use crate::mesh::{NONE, TET_FACES, TetMesh};
@@ -68,7 +68,7 @@ impl Workspace {
 ///
 /// `coverage` is that of all lattice points before this patch.
 pub(super) fn paste(ground: &Ground<'_>, seed: &Seed, coverage: &[u8], work: &mut Workspace) -> Pasted {
-    let frames = PatchFrames::new(ground.frames, ground.kind, seed.tet as usize, seed.turn);
+    let frames = PatchFrames::new(ground.frames, seed.tet as usize, seed.turn);
     let mut clump = Clump::new(ground, &frames, seed, work);
     let widest = ground.params.max_angle_deg.to_radians();
     let fitted = [1.0, 0.5, 0.25].iter().any(|part| {
@@ -90,8 +90,11 @@ struct Clump<'a> {
     seed: &'a Seed,
     /// Barycentric coordinates of the seed point.
     at: [f64; 4],
-    /// The seed point's place in texture space.
+    /// The seed point's place in the mask.
     centre: DVec3,
+    /// How far beside its mask the texture is read: where there are coordinates to keep to, so that the seed point has
+    /// its own.
+    shift: DVec3,
     table: &'a MaskTable,
     mask: &'a AlphaMask,
     /// Least cosine between a tetrahedron's axes and the seed's.
@@ -114,12 +117,15 @@ impl<'a> Clump<'a> {
         let tet = ground.mesh.tets[seed.tet as usize];
         let coordinate =
             |values: Option<&[f64]>| values.map_or(0.5, |d| (0..4).map(|k| at[k] * d[tet[k] as usize]).sum());
+        let centre = DVec3::from_array(ground.given.map(coordinate));
+        let shift = ground.direct.map_or(DVec3::ZERO, |d| d.shift(seed.tet as usize, at, centre));
         Self {
             ground,
             frames,
             seed,
             at,
-            centre: DVec3::from_array(ground.given.map(coordinate)),
+            centre,
+            shift,
             table: &ground.tables[seed.mask as usize],
             mask: &ground.masks[seed.mask as usize],
             agreement: 1.0,
@@ -288,12 +294,15 @@ impl<'a> Clump<'a> {
                     vertices: m.corners.map(|c| c as usize),
                     volume: mesh.tet_volume(m.tet as usize),
                     h: mesh.gradients(m.tet as usize).map(|g| f * g),
+                    target: self.target(m),
                 }
             })
             .collect();
         let given: [Option<Vec<f64>>; 3] = (self.ground.given)
             .map(|values| values.map(|d| self.corners.iter().map(|c| d[c.vertex as usize]).collect()));
-        let Ok(uvw) = optimise(self.corners.len(), &elements, given.each_ref().map(Option::as_deref)) else {
+        let anchor = self.ground.direct.map(|_| Anchor { at: self.at, place: self.centre });
+        let given_here = given.each_ref().map(Option::as_deref);
+        let Ok(uvw) = optimise(self.corners.len(), &elements, given_here, anchor) else {
             return false;
         };
         let at: DVec3 = (0..4).map(|k| uvw[self.members[0].corners[k] as usize] * self.at[k]).sum();
@@ -305,6 +314,15 @@ impl<'a> Clump<'a> {
             corner.uvw = w + shift;
         }
         true
+    }
+
+    /// Where the corners of a member should lie: at the coordinates over the whole model, as many whole periods on as
+    /// brings them nearest to where they are.
+    fn target(&self, m: &Member) -> Option<[DVec3; 4]> {
+        let direct = self.ground.direct?.regular(m.tet as usize)?;
+        let here = m.corners.map(|c| self.corners[c as usize].uvw + self.shift);
+        let apart: DVec3 = (0..4).map(|k| here[k] - direct[k]).sum();
+        Some(direct.map(|d| d + (apart / 4.0).round() - self.shift))
     }
 
     /// J·\[R S T\] of a member, column by column.
@@ -438,7 +456,10 @@ impl<'a> Clump<'a> {
         let mask = own.as_ref().unwrap_or(self.mask);
         let table = own_table.as_ref().unwrap_or(self.table);
         let mut pasted = Pasted {
+            exemplar: 0,
             mask: self.seed.mask,
+            choice: NONE,
+            shift: self.shift.as_vec3().to_array(),
             own: None,
             tets: Vec::new(),
             uvw: Vec::new(),

@@ -50,6 +50,7 @@ pub(super) enum Presence {
 /// never wrongly.
 pub(super) struct MaskTable {
     size: [usize; 3],
+    everywhere: bool,
     /// For each corner, voxels with alpha > 0 and with alpha = 255 below it on all axes.
     sums: Vec<[u32; 2]>,
 }
@@ -75,13 +76,16 @@ impl MaskTable {
                 }
             }
         }
-        Self { size, sums }
+        Self { size, everywhere: mask.is_everywhere(), sums }
     }
 
     /// What the mask does over the box from `lo` to `hi`.
     pub(super) fn over(&self, lo: [f32; 3], hi: [f32; 3]) -> Presence {
         // Room for the rounding of interpolated coordinates.
         const ROOM: f32 = 1e-5;
+        if self.everywhere {
+            return Presence::Opaque;
+        }
         let mut range = [[0usize; 2]; 3];
         let mut inside = true;
         for n in 0..3 {

@@ -9,6 +9,7 @@ use glam::DVec3;
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
 
+use super::choices;
 use super::look::LookError;
 use super::look_file;
 use super::parts::SolidPart;
@@ -19,9 +20,10 @@ use crate::mesh::{FaceOrigin, NONE, TetMesh, TopologyError};
 use crate::volume::{AlphaMask, SolidTexture, VolumeError};
 
 /// The version of the format that this program writes.
-pub const FORMAT_VERSION: u32 = 4;
+pub const FORMAT_VERSION: u32 = 5;
 /// The versions that it reads: in version 1 a model has no look, before version 3 no particle labels, before
-/// version 4 neither displacements nor several parts.
+/// version 4 neither displacements nor several parts, before version 5 neither masks that are opaque everywhere nor patches
+/// of some particles only or with a shift.
 const READ_VERSIONS: std::ops::RangeInclusive<u64> = 1..=FORMAT_VERSION as u64;
 /// The one metadata key.
 pub const METADATA_KEY: &str = "lapis";
@@ -103,6 +105,9 @@ struct Metadata {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     exemplar_height: Vec<Option<f32>>,
     masks: usize,
+    /// The masks that are opaque outside the unit cube, too.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    masks_everywhere: Vec<usize>,
     /// What there is of the look that the outside keeps.
     #[serde(default)]
     look: Option<look_file::About>,
@@ -150,6 +155,7 @@ impl LappedSolid {
         arrays.push(("layer_uvw".into(), Dtype::F32, vec![l, 4, 3], le_f32(uvw)));
         arrays.push(("patch_exemplar".into(), Dtype::U32, vec![p], le_u32(&patch_exemplar)));
         arrays.push(("patch_mask".into(), Dtype::U32, vec![p], le_u32(&patch_mask)));
+        choices::write(self, &mut arrays);
         arrays.push(("boundary_tet".into(), Dtype::U32, vec![b], le_u32(&boundary_tet)));
         arrays.push(("boundary_face".into(), Dtype::U8, vec![b], boundary_face));
         arrays.push(("boundary_input".into(), Dtype::U32, vec![b], le_u32(&boundary_input)));
@@ -179,6 +185,7 @@ impl LappedSolid {
             exemplar_tiles: self.exemplars.iter().map(|e| axes(e.tiles())).collect(),
             exemplar_height: heights(&self.exemplars),
             masks: self.masks.len(),
+            masks_everywhere: (0..self.masks.len()).filter(|n| self.masks[*n].is_everywhere()).collect(),
             look: self.look.as_ref().map(|look| look_file::About::of(look)),
             parts: self.parts.clone(),
             settings: self.settings.clone(),
@@ -298,11 +305,12 @@ impl LappedSolid {
             .collect();
         let patch_exemplar = u32s(&arrays.get("patch_exemplar", Dtype::U32, &[None])?);
         let patch_mask = u32s(&arrays.get("patch_mask", Dtype::U32, &[Some(patch_exemplar.len())])?);
-        let patches = patch_exemplar
+        let mut patches: Vec<Patch> = patch_exemplar
             .iter()
             .zip(&patch_mask)
-            .map(|(&exemplar, &mask)| Patch { exemplar, mask })
+            .map(|(&exemplar, &mask)| Patch::new(exemplar, mask))
             .collect();
+        let choices = choices::read(&arrays, &mut patches)?;
         let tet_origin = u32s(&arrays.get("tet_origin", Dtype::U32, &[Some(t)])?);
         let exemplars = metadata
             .exemplar_tiles
@@ -317,6 +325,9 @@ impl LappedSolid {
             .map(|n| {
                 let name = format!("mask_{n}");
                 let data = arrays.get(&name, Dtype::U8, &[None, None, None])?;
+                if metadata.masks_everywhere.contains(&n) {
+                    return Ok(Arc::new(AlphaMask::everywhere()));
+                }
                 let mask = AlphaMask::new(volume_size(&name, data.shape())?, data.data().to_vec());
                 Ok(Arc::new(mask.map_err(|source| ModelFileError::Volume { name, source })?))
             })
@@ -334,6 +345,7 @@ impl LappedSolid {
             patches,
             exemplars,
             masks,
+            choices,
             look,
             parts: metadata.parts,
             tet_origin,

@@ -6,8 +6,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::agreement::agreement;
 use super::assemble::{assemble, stack};
 use super::clump::{Workspace, paste};
+use super::coherent::{Direct, Unfit, is_wanted, layered};
 use super::coverage::{Alpha, MaskTable, POINTS, sample_lattice};
 use super::kind::TextureType;
 use super::mapped;
@@ -18,9 +20,10 @@ use super::pasted::{Ground, Pasted, Seed};
 use super::seed::{Apart, spots, turn};
 use super::solid::LappedSolid;
 use crate::exec::{Cancelled, Exec};
-use crate::field::{Fields, FrameField};
-use crate::mesh::TetMesh;
+use crate::field::{Fields, FrameField, PeriodicError};
+use crate::mesh::{TetMesh, index};
 use crate::number::Short;
+use crate::solve::SolveError;
 use crate::volume::{AlphaMask, SolidTexture};
 
 /// Why a mesh cannot be filled.
@@ -148,12 +151,30 @@ pub enum FillError {
         /// Whether the mapping is good but for its sense.
         mirrored: bool,
     },
+    /// Patches are to agree, and the texture has a beginning and an end.
+    #[error(
+        "coherent is true, but the texture does not tile along {0}: patches agree only along axes on which it goes on \
+         without an end; make it so (the volume's `lapis_tiles`, or `tiles` beside it), or set coherent to false"
+    )]
+    NotTiling(String),
+    /// There are no coordinates for patches to keep to.
+    #[error("patches cannot be made to agree (coherent = false laps without)")]
+    Periodic(#[source] SolveError),
     /// The mesh has no tetrahedra.
     #[error("the mesh has no tetrahedra")]
     Empty,
     /// The run was cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl From<PeriodicError> for FillError {
+    fn from(error: PeriodicError) -> Self {
+        match error {
+            PeriodicError::Solve(e) => Self::Periodic(e),
+            PeriodicError::Cancelled(e) => Self::Cancelled(e),
+        }
+    }
 }
 
 /// The same fields, as texture coordinates (f32) can hold them: so they follow a given coordinate exactly.
@@ -226,7 +247,15 @@ pub fn fill(
         check(&mesh, kind, fields, params)?;
         let fields = as_coordinates(fields);
         mapped::check(&mesh, given(&fields, kind))?;
-        let frames = FrameField::new(&mesh, &fields, kind.given());
+        let mut frames = FrameField::new(&mesh, &fields, kind.given());
+        let free = kind.given().map(|given| !given);
+        let mut direct = None;
+        if is_wanted(&texture, free, params).map_err(|Unfit(axes)| FillError::NotTiling(axes))? {
+            check_scale(&mesh, &frames, &texture, params)?;
+            let found;
+            (frames, found) = Direct::new(&mesh, frames, given(&fields, kind), params, exec)?;
+            direct = Some(found);
+        }
         let masks: Vec<AlphaMask> = match kind.given() {
             [true, _, true] => AlphaMask::new([1; 3], vec![255]).into_iter().collect(),
             [true, _, false] => vec![AlphaMask::slab(&params.mask, seed)],
@@ -236,12 +265,12 @@ pub fn fill(
         let tables: Vec<MaskTable> = masks.iter().map(MaskTable::new).collect();
         let ground = Ground {
             mesh: &mesh,
-            kind,
             frames: &frames,
             given: given(&fields, kind),
             masks: &masks,
             tables: &tables,
             params,
+            direct: direct.as_ref(),
         };
         let mut lapped = match mapped::one_patch(&ground) {
             Some(patch) => Lapped::whole(patch, &masks),
@@ -250,14 +279,34 @@ pub fn fill(
                 lap(&ground, seed, exec)?
             }
         };
+        let everywhere = index(masks.len() + lapped.own.len());
+        let mut exemplars = vec![Arc::clone(&texture)];
+        let mut choices = Vec::new();
+        if let Some(direct) = &direct {
+            let mut layered = layered(&ground, direct, &texture, &mut lapped, everywhere, exec)?;
+            for pasted in &mut layered.pasted {
+                lapped.fit.add(&std::mem::take(&mut pasted.fit));
+            }
+            lapped.own.push(AlphaMask::everywhere());
+            lapped.own.extend(layered.masks);
+            lapped.pasted = layered.pasted;
+            exemplars.extend(layered.matrix.map(Arc::new));
+            choices = layered.choices;
+        }
         let own: Vec<MaskTable> = lapped.own.par_iter().map(MaskTable::new).collect();
         let masks: Vec<AlphaMask> = masks.into_iter().chain(std::mem::take(&mut lapped.own)).collect();
         let tables: Vec<MaskTable> = tables.into_iter().chain(own).collect();
         let stacks = stack(&mesh, &masks, &tables, &lapped.pasted, exec)?;
         let frame = frames.at_vertices(&mesh);
-        let texture = followed(texture, kind);
-        let (solid, hidden) = assemble(mesh, fields.clone(), frame, masks, texture, &lapped.pasted, &stacks);
+        drop(texture);
+        let exemplars = exemplars.into_iter().map(|texture| followed(texture, kind)).collect();
+        let regular = direct.as_ref().map(|d| d.regular_share(&mesh));
+        let (solid, hidden) =
+            assemble(mesh, fields.clone(), frame, masks, exemplars, choices, &lapped.pasted, &stacks);
         let mut measures = FillMeasures::new(&solid, &lapped.fit, lapped.uncovered, given(&fields, kind));
+        measures.regular_share = regular;
+        measures.frame_seams = direct.as_ref().map(|d| d.seams.len() / 2);
+        agreement(&solid, free, &mut measures, seed, exec)?;
         measures.sharpness = sharpness(&solid, seed, exec)?;
         let report = FillReport {
             tetrahedra: solid.mesh.tets.len(),
@@ -373,10 +422,11 @@ fn check_scale(
     Ok(())
 }
 
-struct Lapped {
-    pasted: Vec<Pasted>,
+/// What has been lapped.
+pub(super) struct Lapped {
+    pub(super) pasted: Vec<Pasted>,
     /// Masks of single patches, numbered after the shared ones.
-    own: Vec<AlphaMask>,
+    pub(super) own: Vec<AlphaMask>,
     fit: Fits,
     rounds: usize,
     uncovered: usize,
@@ -402,7 +452,12 @@ fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError>
     let mesh = ground.mesh;
     let count = mesh.tets.len();
     let mut coverage = vec![0u8; count * POINTS];
-    let mut open: Vec<u32> = (0..count as u32).collect();
+    // Where the coordinates are regular, no patch is needed.
+    let regular = |t: &u32| ground.direct.is_some_and(|d| d.regular(*t as usize).is_some());
+    let (covered, mut open): (Vec<u32>, Vec<u32>) = (0..count as u32).partition(regular);
+    for t in covered {
+        coverage[t as usize * POINTS..][..POINTS].fill(255);
+    }
     let spares: Mutex<Vec<Workspace>> = Mutex::new(Vec::new());
     let stage = exec.stage("fill", count as u64);
     let apart = Apart {

@@ -5,7 +5,6 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::kind::TextureType;
 use crate::field::{FrameField, perpendicular};
 
 /// A tetrahedron's frame: columns R, S, T, and its inverse, the wished-for Jacobian.
@@ -18,44 +17,43 @@ pub(super) struct Frame {
 /// The frames of all tetrahedra as one patch sees them.
 pub(super) struct PatchFrames<'a> {
     frames: &'a FrameField,
-    kind: TextureType,
     seed: usize,
     axes: DMat3,
 }
 
 impl<'a> PatchFrames<'a> {
     /// Those of a patch whose seed is tetrahedron `seed`; `turn` is a uniformly random rotation.
-    pub(super) fn new(frames: &'a FrameField, kind: TextureType, seed: usize, turn: DQuat) -> Self {
-        let axes = match kind {
-            TextureType::Type0 => DMat3::from_quat(turn),
-            TextureType::Type1a => {
+    pub(super) fn new(frames: &'a FrameField, seed: usize, turn: DQuat) -> Self {
+        let axes = match (frames.r.is_empty(), frames.s.is_empty()) {
+            (true, true) => DMat3::from_quat(turn),
+            (false, true) => {
                 let r = frames.r[seed];
                 let s = perpendicular(turn * DVec3::X, r);
                 DMat3::from_cols(r, s, r.cross(s))
             }
-            TextureType::Type1b => {
+            (true, false) => {
                 let s = frames.s[seed];
                 let r = perpendicular(turn * DVec3::X, s);
                 DMat3::from_cols(r, s, r.cross(s))
             }
-            _ => fixed(frames, seed),
+            (false, false) => fixed(frames, seed),
         };
-        Self { frames, kind, seed, axes }
+        Self { frames, seed, axes }
     }
 
     /// Unit axes in tetrahedron `t`.
     fn axes(&self, t: usize) -> DMat3 {
-        match self.kind {
-            TextureType::Type0 => self.axes,
-            TextureType::Type1a => {
+        match (self.frames.r.is_empty(), self.frames.s.is_empty()) {
+            (true, true) => self.axes,
+            (false, true) => {
                 let carry = DQuat::from_rotation_arc(self.frames.r[self.seed], self.frames.r[t]);
                 DMat3::from_quat(carry) * self.axes
             }
-            TextureType::Type1b => {
+            (true, false) => {
                 let carry = DQuat::from_rotation_arc(self.frames.s[self.seed], self.frames.s[t]);
                 DMat3::from_quat(carry) * self.axes
             }
-            _ => fixed(self.frames, t),
+            (false, false) => fixed(self.frames, t),
         }
     }
 

@@ -17,6 +17,8 @@ pub(super) struct Layer<'a> {
     pub(super) uvw: &'a [[f32; 3]; 4],
     pub(super) mask: &'a AlphaMask,
     pub(super) table: &'a MaskTable,
+    /// Whether it takes some particles of its texture only: then it hides nothing.
+    pub(super) chosen: bool,
 }
 
 /// Points of a tetrahedron at which is looked first: most layers show at one of them, and need no proof.
@@ -47,7 +49,7 @@ pub(super) fn visible(layers: &[Layer<'_>]) -> Vec<bool> {
         for (n, layer) in layers.iter().enumerate().rev() {
             let m = layer.mask.sample(interpolate(layer.uvw, *point));
             seen[n] |= m > 0.0;
-            if m >= OPAQUE {
+            if m >= OPAQUE && !layer.chosen {
                 break;
             }
         }
@@ -67,7 +69,10 @@ pub(super) fn visible(layers: &[Layer<'_>]) -> Vec<bool> {
 }
 
 fn look(layers: &[Layer<'_>], cell: &[[f32; 4]; 4], among: &[usize], divisions: u32, seen: &mut [bool]) {
-    let over = |n: usize| layers[n].table.over_points(&cell.map(|b| interpolate(layers[n].uvw, b)));
+    let over = |n: usize| match layers[n].table.over_points(&cell.map(|b| interpolate(layers[n].uvw, b))) {
+        Presence::Opaque if layers[n].chosen => Presence::Partial,
+        presence => presence,
+    };
     // Only layers in doubt count, and what is newer and may hide them.
     let doubts: Vec<(usize, Presence)> = among
         .iter()
@@ -100,7 +105,7 @@ fn look(layers: &[Layer<'_>], cell: &[[f32; 4]; 4], among: &[usize], divisions: 
     for &n in &present {
         let m = layers[n].mask.sample(interpolate(layers[n].uvw, middle));
         seen[n] |= m > 0.0;
-        if m >= 1.0 {
+        if m >= 1.0 && !layers[n].chosen {
             break;
         }
     }
@@ -188,7 +193,7 @@ mod tests {
                 })
                 .collect();
             let layers: Vec<Layer<'_>> =
-                stack.iter().map(|uvw| Layer { uvw, mask: &mask, table: &table }).collect();
+                stack.iter().map(|uvw| Layer { uvw, mask: &mask, table: &table, chosen: false }).collect();
             let seen = visible(&layers);
             dropped += seen.iter().filter(|&&s| !s).count();
             for _ in 0..200 {

@@ -80,6 +80,7 @@ impl LappedSolid {
             patches: self.patches.clone(),
             exemplars: self.exemplars.clone(),
             masks: self.masks.clone(),
+            choices: self.choices.clone(),
             cuts: self.cuts + 1,
             settings: self.settings.clone(),
             ..super::bare(TetMesh::default())

@@ -8,7 +8,7 @@ use super::frames::PatchFrames;
 use super::optimise::Given;
 use super::pasted::{Fit, Ground, Pasted, columns};
 use crate::field::tet_gradients;
-use crate::mesh::TetMesh;
+use crate::mesh::{NONE, TetMesh};
 
 /// Fields whose gradients enclose less than this sine rise along one line.
 const CROSSING: f64 = 0.1;
@@ -68,9 +68,12 @@ fn share(mesh: &TetMesh, bad: impl Fn(usize) -> bool) -> Option<(f64, DVec3)> {
 pub(super) fn one_patch(ground: &Ground<'_>) -> Option<Pasted> {
     let [Some(x), Some(y), Some(z)] = ground.given else { return None };
     let mesh = ground.mesh;
-    let frames = PatchFrames::new(ground.frames, ground.kind, 0, DQuat::IDENTITY);
+    let frames = PatchFrames::new(ground.frames, 0, DQuat::IDENTITY);
     let mut pasted = Pasted {
+        exemplar: 0,
         mask: 0,
+        choice: NONE,
+        shift: [0.0; 3],
         own: None,
         tets: (0..mesh.tets.len() as u32).collect(),
         uvw: Vec::with_capacity(mesh.tets.len()),

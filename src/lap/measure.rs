@@ -32,8 +32,27 @@ pub struct FillMeasures {
     /// The largest difference at a vertex between a texture coordinate that is given (the depth; `along`,
     /// `across`) and its field.
     pub depth_error: f64,
+    /// The mean factor, either way, by which the columns of J·\[R S T\] are longer or shorter than 1, weighted by volume.
+    pub stretch_mean: f64,
     /// Mean gradient of the filled model over that of its solid texture at the same places: below 1 is blur.
     pub sharpness: f64,
+    /// Of a coherent fill, the part of the model's volume where one layer is enough.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub regular_share: Option<f64>,
+    /// Of a coherent fill, pairs of tetrahedra between which no choice of signs makes the frames agree: there it is cut.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame_seams: Option<usize>,
+    /// Of a texture that tiles along an axis that is solved for, how far patches that overlap are apart along it, modulo
+    /// one period: 0 where they agree, a quarter where they know nothing of each other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub disagreement_mean: Option<f64>,
+    /// Its 95th percentile.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub disagreement_p95: Option<f64>,
+    /// Of a texture with particles, the part of the places in them, near borders of patches, at which a particle breaks
+    /// off.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub particles_cut: Option<f64>,
 }
 
 /// Bins of angles, a hundredth of a degree each.
@@ -45,6 +64,7 @@ pub(super) struct Fits {
     bins: Vec<f64>,
     weighted: f64,
     weight: f64,
+    stretch: [f64; 2],
     inverted: usize,
     edge: f64,
     cut_edge: f64,
@@ -53,7 +73,15 @@ pub(super) struct Fits {
 impl Default for Fits {
     fn default() -> Self {
         let zero = 0.0;
-        Self { bins: vec![0.0; BINS], weighted: zero, weight: zero, inverted: 0, edge: zero, cut_edge: zero }
+        Self {
+            bins: vec![0.0; BINS],
+            weighted: zero,
+            weight: zero,
+            stretch: [zero; 2],
+            inverted: 0,
+            edge: zero,
+            cut_edge: zero,
+        }
     }
 }
 
@@ -63,6 +91,9 @@ impl Fits {
             self.bins[((f64::from(angle) * 100.0) as usize).min(BINS - 1)] += w;
             self.weighted += f64::from(angle) * w;
             self.weight += w;
+        }
+        for (sum, own) in self.stretch.iter_mut().zip(fit.stretch) {
+            *sum += own;
         }
         self.inverted += fit.inverted;
         self.edge += fit.edge;
@@ -101,7 +132,13 @@ impl FillMeasures {
             uncovered,
             clump_edge_share: if fits.edge > 0.0 { fits.cut_edge / fits.edge } else { 0.0 },
             depth_error,
+            stretch_mean: if fits.stretch[1] > 0.0 { (fits.stretch[0] / fits.stretch[1]).exp() } else { 1.0 },
             sharpness: 1.0,
+            regular_share: None,
+            frame_seams: None,
+            disagreement_mean: None,
+            disagreement_p95: None,
+            particles_cut: None,
         }
     }
 }
@@ -128,17 +165,11 @@ pub(super) fn sharpness(solid: &LappedSolid, seed: u64, exec: &Exec) -> Result<f
     let pairs: Vec<Option<(f64, f64)>> = (0..PLACES)
         .into_par_iter()
         .map(|n| {
-            let mut rng = ChaCha8Rng::seed_from_u64(seed ^ 0x5AA5_0FF0_1234_9876);
-            rng.set_stream(n as u64);
-            let mut uniform = || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64;
+            let mut uniform = numbers(seed ^ 0x5AA5_0FF0_1234_9876, n);
             let target = uniform() * total;
             let t = cumulative.partition_point(|&c| c < target).min(mesh.tets.len() - 1);
-            let mut at: [f64; 4] = std::array::from_fn(|_| -(1.0 - uniform()).ln());
-            let sum: f64 = at.iter().sum();
-            at = at.map(|a| a / sum);
-            let z = 2.0 * uniform() - 1.0;
-            let turn = uniform() * std::f64::consts::TAU;
-            let normal = DVec3::new((1.0 - z * z).sqrt() * turn.cos(), (1.0 - z * z).sqrt() * turn.sin(), z);
+            let at = anywhere_inside(&mut uniform);
+            let normal = any_direction(&mut uniform);
             let (a, b) = normal.any_orthonormal_pair();
             let spin = uniform() * std::f64::consts::TAU;
             let u = a * spin.cos() + b * spin.sin();
@@ -149,6 +180,27 @@ pub(super) fn sharpness(solid: &LappedSolid, seed: u64, exec: &Exec) -> Result<f
         .collect();
     let (model, texture) = pairs.iter().flatten().fold((0.0, 0.0), |s, p| (s.0 + p.0, s.1 + p.1));
     Ok(if texture > 0.0 { model / texture } else { 1.0 })
+}
+
+/// Numbers from 0 to 1, the `n`th row of them.
+pub(super) fn numbers(seed: u64, n: usize) -> impl FnMut() -> f64 {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    rng.set_stream(n as u64);
+    move || (rng.next_u64() >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// Barycentric coordinates, uniformly in a tetrahedron.
+pub(super) fn anywhere_inside(uniform: &mut impl FnMut() -> f64) -> [f64; 4] {
+    let at: [f64; 4] = std::array::from_fn(|_| -(1.0 - uniform()).ln());
+    let sum: f64 = at.iter().sum();
+    at.map(|a| a / sum)
+}
+
+/// A unit vector, uniformly.
+pub(super) fn any_direction(uniform: &mut impl FnMut() -> f64) -> DVec3 {
+    let z = 2.0 * uniform() - 1.0;
+    let turn = uniform() * std::f64::consts::TAU;
+    DVec3::new((1.0 - z * z).sqrt() * turn.cos(), (1.0 - z * z).sqrt() * turn.sin(), z)
 }
 
 /// Gradient magnitudes of the model and of its texture at one place, per voxel.
@@ -165,8 +217,7 @@ fn place(
     let mut clear = 1.0;
     let mut best = (0.0, layers.start);
     for layer in layers.clone().rev() {
-        let patch = solid.patches[solid.layer_patch[layer] as usize];
-        let m = solid.masks[patch.mask as usize].sample(interpolate(&solid.layer_uvw[layer], at32));
+        let m = solid.opacity(solid.layer_patch[layer], interpolate(&solid.layer_uvw[layer], at32));
         if clear * m > best.0 {
             best = (clear * m, layer);
         }
@@ -177,7 +228,8 @@ fn place(
     }
     let layer = best.1;
     let uvw = &solid.layer_uvw[layer];
-    let texture = &solid.exemplars[solid.patches[solid.layer_patch[layer] as usize].exemplar as usize];
+    let patch = solid.patches[solid.layer_patch[layer] as usize];
+    let texture = &solid.exemplars[patch.exemplar as usize];
     let gradients = solid.mesh.gradients(t);
     // One voxel along each step, in texture space.
     let jacobian = |step: DVec3| -> DVec3 {
@@ -187,7 +239,7 @@ fn place(
     let mut model = 0.0;
     let mut plain = 0.0;
     let here = solid.colour(t, at32);
-    let own = interpolate(uvw, at32).map(f64::from);
+    let own = patch.texture_at(interpolate(uvw, at32)).map(f64::from);
     let tiles = texture.tiles();
     let start = DVec3::from_array(std::array::from_fn(|n| if tiles[n] { anywhere[n] } else { own[n] }));
     let there = texture.sample(start.as_vec3().to_array());
@@ -208,7 +260,12 @@ fn place(
 }
 
 /// Follows a short step through the mesh; `None` where it leaves the model.
-fn walk(solid: &LappedSolid, mut t: usize, at: [f64; 4], step: DVec3) -> Option<(usize, [f64; 4])> {
+pub(super) fn walk(
+    solid: &LappedSolid,
+    mut t: usize,
+    at: [f64; 4],
+    step: DVec3,
+) -> Option<(usize, [f64; 4])> {
     let mesh = &solid.mesh;
     let corners = mesh.corners(t);
     let goal: DVec3 = (0..4).map(|k| corners[k] * at[k]).sum::<DVec3>() + step;

@@ -1,7 +1,10 @@
 //! Lapping: filling a tetrahedral mesh with overlapping patches of solid texture \[LST 5.2\].
 
+mod agreement;
 mod assemble;
+mod choices;
 mod clump;
+mod coherent;
 mod coverage;
 mod feather;
 mod file;
@@ -32,7 +35,7 @@ pub use fill::{FillError, FillReport, fill};
 pub use kind::{Inputs, TextureType, UnknownType};
 pub use look::{Look, LookError};
 pub use measure::FillMeasures;
-pub use params::FillParams;
+pub use params::{Coherent, FillParams, Rows};
 pub use parts::{Joining, SolidPart, TooLarge, join};
 pub use paste::{PasteError, PasteParams, PasteReport, Pasting, Places, ScatterParams, Stamp, paste};
 pub use solid::{LappedSolid, Patch, Seen, interpolate};

@@ -4,6 +4,61 @@ use serde::{Deserialize, Serialize};
 
 use crate::volume::SplotchParams;
 
+/// Whether patches agree with each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(try_from = "Word", into = "Word")]
+pub enum Coherent {
+    /// Where the texture tiles and has particles or rows.
+    #[default]
+    Auto,
+    /// Yes.
+    True,
+    /// No: each patch puts the texture's middle at its own seed, as in \[LST 5.2\].
+    False,
+}
+
+/// As a project file has it: true, false or "auto".
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum Word {
+    Bool(bool),
+    Word(String),
+}
+
+impl TryFrom<Word> for Coherent {
+    type Error = String;
+
+    fn try_from(word: Word) -> Result<Self, String> {
+        match word {
+            Word::Bool(true) => Ok(Self::True),
+            Word::Bool(false) => Ok(Self::False),
+            Word::Word(word) if word == "auto" => Ok(Self::Auto),
+            Word::Word(word) => Err(format!("coherent is '{word}'; it must be true, false or \"auto\"")),
+        }
+    }
+}
+
+impl From<Coherent> for Word {
+    fn from(coherent: Coherent) -> Self {
+        match coherent {
+            Coherent::Auto => Self::Word("auto".into()),
+            Coherent::True => Self::Bool(true),
+            Coherent::False => Self::Bool(false),
+        }
+    }
+}
+
+/// What becomes of rows where there is more room on one side than on the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Rows {
+    /// They keep their number, and grow wider.
+    #[default]
+    Keep,
+    /// They keep their width, and some end.
+    End,
+}
+
 /// How a mesh is filled. Angles in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, clap::Args)]
 #[serde(deny_unknown_fields, default)]
@@ -23,6 +78,14 @@ pub struct FillParams {
     /// Refuse a fill that is expected to take more patches than this
     #[arg(long, default_value_t = 1_000_000, value_name = "N")]
     pub max_patches: u64,
+    /// Whether patches agree with each other: rows of bricks then go on from patch to patch, and particles stay whole. By
+    /// itself where the texture tiles and has particles or rows
+    #[arg(long, value_enum, default_value_t = Coherent::Auto, value_name = "WHEN")]
+    pub coherent: Coherent,
+    /// Of a coherent fill, where a bend has more room outside than inside: rows keep their number and grow wider, or keep
+    /// their width, and some end
+    #[arg(long, value_enum, default_value_t = Rows::Keep, value_name = "WHAT")]
+    pub rows: Rows,
     /// The mask through which patches are pasted.
     #[command(flatten)]
     pub mask: SplotchParams,
@@ -36,6 +99,8 @@ impl Default for FillParams {
             regrow: 3,
             spacing: 0.42,
             max_patches: 1_000_000,
+            coherent: Coherent::Auto,
+            rows: Rows::Keep,
             mask: SplotchParams::default(),
         }
     }

@@ -116,6 +116,7 @@ impl LappedSolid {
             patches: self.patches.clone(),
             exemplars: self.exemplars.clone(),
             masks: self.masks.clone(),
+            choices: self.choices.clone(),
             look: self.look.clone(),
             parts: self.parts.clone(),
             cuts: self.cuts,
@@ -177,9 +178,14 @@ pub fn join(parts: Vec<Joining>, settings: Value) -> Result<LappedSolid, TooLarg
         all.layer_start.extend(solid.layer_start[1..].iter().map(|s| s + layers));
         all.layer_patch.extend(solid.layer_patch.iter().map(|p| p + patches));
         all.layer_uvw.extend(solid.layer_uvw);
-        all.patches.extend(
-            solid.patches.iter().map(|p| Patch { exemplar: p.exemplar + exemplars, mask: p.mask + masks }),
-        );
+        let choices = index(all.choices.len());
+        all.patches.extend(solid.patches.iter().map(|p| Patch {
+            exemplar: p.exemplar + exemplars,
+            mask: p.mask + masks,
+            choice: if p.choice == NONE { NONE } else { p.choice + choices },
+            shift: p.shift,
+        }));
+        all.choices.extend(solid.choices);
         all.exemplars.extend(solid.exemplars);
         all.masks.extend(solid.masks);
         all.tet_origin.extend(solid.tet_origin.iter().map(|t| t + tets));

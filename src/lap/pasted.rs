@@ -2,9 +2,9 @@
 
 use glam::{DQuat, DVec3};
 
+use super::coherent::Direct;
 use super::coverage::{Alpha, MaskTable};
 use super::frames::Frame;
-use super::kind::TextureType;
 use super::optimise::Given;
 use super::params::FillParams;
 use crate::field::FrameField;
@@ -17,13 +17,14 @@ pub(super) const INVERTED: f64 = 1e-6;
 /// All that clumps are grown from.
 pub(super) struct Ground<'a> {
     pub(super) mesh: &'a TetMesh,
-    pub(super) kind: TextureType,
     pub(super) frames: &'a FrameField,
     /// The texture coordinates that are fields, per vertex: a texture that varies with depth has y.
     pub(super) given: Given<'a>,
     pub(super) masks: &'a [AlphaMask],
     pub(super) tables: &'a [MaskTable],
     pub(super) params: &'a FillParams,
+    /// Coordinates over the whole model to which patches keep, where the fill is to be coherent.
+    pub(super) direct: Option<&'a Direct>,
 }
 
 /// Where a patch begins.
@@ -39,8 +40,14 @@ pub(super) struct Seed {
 
 /// A grown and fitted patch.
 pub(super) struct Pasted {
+    /// The number of its exemplar.
+    pub(super) exemplar: u32,
     /// The number of its mask.
     pub(super) mask: u32,
+    /// The number of its choice of particles, or [`NONE`](crate::mesh::NONE).
+    pub(super) choice: u32,
+    /// How far beside its mask the exemplar is read.
+    pub(super) shift: [f32; 3],
     /// A mask of its own instead, faded out before the clump ends.
     pub(super) own: Option<AlphaMask>,
     pub(super) tets: Vec<u32>,
@@ -55,6 +62,8 @@ pub(super) struct Pasted {
 pub(super) struct Fit {
     /// (angle in degrees, weight) of each column of J·\[R S T\] to its axis.
     pub(super) angles: Vec<(f32, f64)>,
+    /// |ln length| of the columns, weighted, and the sum of the weights.
+    pub(super) stretch: [f64; 2],
     pub(super) inverted: usize,
     /// Area of the clump's boundary inside the model, and the part of it where the mask is above 16/255.
     pub(super) edge: f64,
@@ -67,6 +76,10 @@ impl Fit {
         for (column, axis) in columns.iter().zip(DVec3::AXES) {
             // A column that vanished points nowhere: as wrong as can be.
             let cosine = column.try_normalize().map_or(-1.0, |c| c.dot(axis).clamp(-1.0, 1.0));
+            // A column that vanished is stretched without end: counted as a thousandfold.
+            let stretch = column.length().max(f64::MIN_POSITIVE).ln().abs().min(1000f64.ln());
+            self.stretch[0] += stretch * volume;
+            self.stretch[1] += volume;
             self.angles.push((cosine.acos().to_degrees() as f32, volume));
         }
         let det = columns[0].dot(columns[1].cross(columns[2]));

@@ -8,16 +8,34 @@ use super::Look;
 use super::kind::TextureType;
 use super::parts::SolidPart;
 use crate::colour::LinearRgba;
-use crate::mesh::TetMesh;
-use crate::volume::{AlphaMask, SolidTexture};
+use crate::mesh::{NONE, TetMesh};
+use crate::volume::{AlphaMask, Choice, SolidTexture};
 
 /// One pasted copy of a solid texture. Its place in [`LappedSolid::patches`] is the pasting order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Patch {
     /// Index into [`LappedSolid::exemplars`].
     pub exemplar: u32,
     /// Index into [`LappedSolid::masks`].
     pub mask: u32,
+    /// Index into [`LappedSolid::choices`]: the particles of the exemplar that it takes; [`NONE`]: all, and the matrix.
+    pub choice: u32,
+    /// The exemplar is read at the layers' coordinates and this much farther on; the mask is not.
+    pub shift: [f32; 3],
+}
+
+impl Patch {
+    /// A patch that takes all of an exemplar, read where the mask is.
+    #[must_use]
+    pub fn new(exemplar: u32, mask: u32) -> Self {
+        Self { exemplar, mask, choice: NONE, shift: [0.0; 3] }
+    }
+
+    /// Where the exemplar is read for a layer's coordinates.
+    #[must_use]
+    pub fn texture_at(&self, uvw: [f32; 3]) -> [f32; 3] {
+        std::array::from_fn(|n| uvw[n] + self.shift[n])
+    }
 }
 
 /// A tetrahedral mesh filled with overlapping patches of solid texture (the paper's LST model).
@@ -45,6 +63,8 @@ pub struct LappedSolid {
     pub exemplars: Vec<Arc<SolidTexture>>,
     /// The masks through which they are pasted.
     pub masks: Vec<Arc<AlphaMask>>,
+    /// Which particles patches take that do not take all.
+    pub choices: Vec<Arc<Choice>>,
     /// The mesh's own look, where the outside keeps it. Its surface is the one whose triangles
     /// [`FaceOrigin::Input`](crate::mesh::FaceOrigin::Input) counts.
     pub look: Option<Arc<Look>>,
@@ -58,8 +78,9 @@ pub struct LappedSolid {
     pub settings: serde_json::Value,
 }
 
-/// What is seen at a point of a lapped solid. A particle of the solid is a particle of one patch: `patch` and `label`
-/// together tell it from all others, for each pasted copy has particles of its own.
+/// What is seen at a point of a lapped solid. A particle of the solid is a particle of one patch, for each pasted copy has
+/// particles of its own; a coherent fill goes on with one patch from period to period, and has the particles of a label once
+/// in each.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seen {
     /// Index into [`LappedSolid::patches`].
@@ -99,7 +120,11 @@ impl LappedSolid {
     pub fn colour(&self, tet: usize, barycentric: [f32; 4]) -> LinearRgba {
         self.composite(tet, barycentric, |patch, uvw| {
             let patch = self.patches[patch as usize];
-            self.exemplars[patch.exemplar as usize].sample(uvw)
+            let exemplar = &self.exemplars[patch.exemplar as usize];
+            match self.choices.get(patch.choice as usize) {
+                Some(choice) => exemplar.sample_of(uvw, choice).0,
+                None => exemplar.sample(uvw),
+            }
         })
     }
 
@@ -174,12 +199,12 @@ impl LappedSolid {
         for layer in self.layers(tet).rev() {
             let uvw = interpolate(&self.layer_uvw[layer], barycentric);
             let patch = self.layer_patch[layer];
-            let m = self.masks[self.patches[patch as usize].mask as usize].sample(uvw);
+            let m = self.opacity(patch, uvw);
             if m <= 0.0 {
                 continue;
             }
             let w = clear * m;
-            each(patch, uvw, w);
+            each(patch, self.patches[patch as usize].texture_at(uvw), w);
             covered += w;
             clear *= 1.0 - m;
             if clear <= 0.0 {
@@ -192,7 +217,22 @@ impl LappedSolid {
     /// The patch and the texture coordinates of the oldest layer.
     fn oldest(&self, tet: usize, barycentric: [f32; 4]) -> Option<(u32, [f32; 3])> {
         let oldest = self.layers(tet).next()?;
-        Some((self.layer_patch[oldest], interpolate(&self.layer_uvw[oldest], barycentric)))
+        let patch = self.layer_patch[oldest];
+        let uvw = interpolate(&self.layer_uvw[oldest], barycentric);
+        Some((patch, self.patches[patch as usize].texture_at(uvw)))
+    }
+
+    /// How opaque a patch is at a layer's coordinates, 0 to 1: its mask, and of the exemplar the part that it takes.
+    #[must_use]
+    pub fn opacity(&self, patch: u32, uvw: [f32; 3]) -> f32 {
+        let patch = self.patches[patch as usize];
+        let m = self.masks[patch.mask as usize].sample(uvw);
+        match self.choices.get(patch.choice as usize) {
+            Some(choice) if m > 0.0 => {
+                m * self.exemplars[patch.exemplar as usize].sample_of(patch.texture_at(uvw), choice).1
+            }
+            _ => m,
+        }
     }
 }
 

@@ -50,6 +50,7 @@ pub fn bare(mesh: TetMesh) -> LappedSolid {
         patches: Vec::new(),
         exemplars: Vec::new(),
         masks: Vec::new(),
+        choices: Vec::new(),
         look: None,
         parts: Vec::new(),
         tet_origin: (0..index(tets)).collect(),

@@ -48,6 +48,17 @@ impl LappedSolid {
             if patch.mask as usize >= self.masks.len() {
                 return Err(value("patch_mask", i, patch.mask, "there is no such mask"));
             }
+            if patch.choice != NONE && patch.choice as usize >= self.choices.len() {
+                return Err(value("patch_choice", i, patch.choice, "there is no such choice of particles"));
+            }
+            if !patch.shift.iter().all(|s| s.is_finite()) {
+                return Err(value("patch_shift", i, patch.shift[0], "it must be finite"));
+            }
+        }
+        for (i, choice) in self.choices.iter().enumerate() {
+            if !choice.labels().is_sorted_by(|a, b| a < b) {
+                return Err(value("choice_label", i, i, "the labels of a choice must rise"));
+            }
         }
         let rises = |w: &[SolidPart]| {
             let inputs = w[0].first_input.checked_add(w[0].outside);

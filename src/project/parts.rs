@@ -157,7 +157,7 @@ fn made(
 /// Numbers of which a model's is the sum of its parts' ...
 const SUMS: [&str; 5] = ["tetrahedra", "vertices", "patches", "uncovered", "inverted"];
 /// ... their mean, by tetrahedra ...
-const MEANS: [&str; 3] = ["layers_mean", "angle_mean_deg", "sharpness"];
+const MEANS: [&str; 4] = ["layers_mean", "angle_mean_deg", "stretch_mean", "sharpness"];
 /// ... and the largest of them.
 const LARGEST: [&str; 4] = ["layers_max", "angle_p95_deg", "clump_edge_share", "depth_error"];
 

@@ -54,7 +54,8 @@ fn lapped(mesh: TetMesh, texture: SolidTexture) -> LappedSolid {
         layer_start: (0..=count as u32).collect(),
         layer_patch: vec![0; count],
         layer_uvw: mesh.tets.iter().map(|t| t.map(uvw)).collect(),
-        patches: vec![Patch { exemplar: 0, mask: 0 }],
+        patches: vec![Patch::new(0, 0)],
+        choices: Vec::new(),
         exemplars: vec![Arc::new(texture)],
         masks: vec![Arc::new(AlphaMask::new([1; 3], vec![255]).unwrap())],
         look: None,
@@ -125,7 +126,7 @@ pub(crate) fn lively(n: u32, size: u32, layers: u32) -> LappedSolid {
     solid.layer_start = (0..=t).map(|i| i * layers).collect();
     solid.layer_patch = (0..t * layers).map(|i| i % layers).collect();
     solid.layer_uvw = solid.layer_uvw.iter().flat_map(|uvw| vec![*uvw; layers as usize]).collect();
-    solid.patches = (0..layers).map(|l| Patch { exemplar: 0, mask: u32::from(l > 0) }).collect();
+    solid.patches = (0..layers).map(|l| Patch::new(0, u32::from(l > 0))).collect();
     solid.masks.push(Arc::new(AlphaMask::new([2; 3], vec![100; 8]).unwrap()));
     solid
 }

@@ -17,7 +17,7 @@ const LEAF: usize = 64;
 /// # Panics
 /// Where an entry names an unknown without a place.
 #[must_use]
-pub fn nested_dissection(places: &[DVec3], lower: &[Entry]) -> Vec<usize> {
+pub fn nested_dissection<T>(places: &[DVec3], lower: &[Entry<T>]) -> Vec<usize> {
     let n = places.len();
     let off_diagonal = || lower.iter().filter(|e| e.row != e.col);
     let mut start = vec![0; n + 1];

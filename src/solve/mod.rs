@@ -11,12 +11,14 @@ mod symmetric;
 pub(crate) use conjugate::{IterationError, add, conjugate_gradients};
 pub use dense::solve_dense_spd;
 pub use dissection::nested_dissection;
+pub(crate) use faer::c64;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::{
     LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMat, Triplet};
+use faer::traits::ComplexField;
 use faer::{Conj, MatMut, Par, Side};
 pub use symmetric::symmetric_eigen;
 
@@ -44,16 +46,21 @@ pub enum SolveError {
 }
 
 /// One entry of a matrix: row, column, value. Entries at one place add up.
-pub type Entry = Triplet<usize, usize, f64>;
+pub type Entry<T = f64> = Triplet<usize, usize, T>;
 
-/// A Cholesky factor L Lᵀ of a sparse symmetric positive definite matrix.
-pub struct SpdFactor {
+/// A Cholesky factor L Lᴴ of a sparse positive definite matrix, symmetric or (of complex numbers) Hermitian.
+pub struct Factor<T> {
     symbolic: SymbolicCholesky<usize>,
-    numeric: Vec<f64>,
+    numeric: Vec<T>,
     size: usize,
 }
 
-impl SpdFactor {
+/// That of a symmetric matrix.
+pub type SpdFactor = Factor<f64>;
+/// That of a Hermitian matrix.
+pub type HermitianFactor = Factor<c64>;
+
+impl<T: ComplexField> Factor<T> {
     /// Factors the `size`×`size` matrix whose *lower triangle* (row ≥ column) is the sum of `lower`.
     ///
     /// # Errors
@@ -61,7 +68,7 @@ impl SpdFactor {
     ///
     /// # Panics
     /// Where an entry lies outside the matrix.
-    pub fn new(size: usize, lower: &[Entry]) -> Result<Self, SolveError> {
+    pub fn new(size: usize, lower: &[Entry<T>]) -> Result<Self, SolveError> {
         Self::build(size, lower, SymmetricOrdering::Amd)
     }
 
@@ -72,7 +79,7 @@ impl SpdFactor {
     ///
     /// # Panics
     /// Where an entry lies outside the matrix, or `order` is no permutation.
-    pub fn ordered(order: &[usize], lower: &[Entry]) -> Result<Self, SolveError> {
+    pub fn ordered(order: &[usize], lower: &[Entry<T>]) -> Result<Self, SolveError> {
         let mut inverse = vec![0; order.len()];
         for (place, &v) in order.iter().enumerate() {
             inverse[v] = place;
@@ -81,17 +88,21 @@ impl SpdFactor {
         Self::build(inverse.len(), lower, SymmetricOrdering::Custom(order))
     }
 
-    fn build(size: usize, lower: &[Entry], order: SymmetricOrdering<'_, usize>) -> Result<Self, SolveError> {
-        let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(size, size, lower)
+    fn build(
+        size: usize,
+        lower: &[Entry<T>],
+        order: SymmetricOrdering<'_, usize>,
+    ) -> Result<Self, SolveError> {
+        let matrix = SparseColMat::<usize, T>::try_new_from_triplets(size, size, lower)
             .map_err(|_| SolveError::OutOfMemory { size })?;
         let oom = |_| SolveError::OutOfMemory { size };
         let symbolic = factorize_symbolic_cholesky(matrix.symbolic(), Side::Lower, order, Default::default())
             .map_err(oom)?;
-        let mut numeric = vec![0.0; symbolic.len_val()];
-        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let mut numeric = vec![T::zero_impl(); symbolic.len_val()];
+        let scratch = symbolic.factorize_numeric_llt_scratch::<T>(Par::Seq, Default::default());
         let mut memory = MemBuffer::try_new(scratch).map_err(|_| SolveError::OutOfMemory { size })?;
         symbolic
-            .factorize_numeric_llt::<f64>(
+            .factorize_numeric_llt::<T>(
                 &mut numeric,
                 matrix.as_ref(),
                 Side::Lower,
@@ -114,12 +125,12 @@ impl SpdFactor {
     ///
     /// # Panics
     /// Where `rhs.len()` is not `size() * columns`.
-    pub fn solve(&self, rhs: &mut [f64], columns: usize) {
+    pub fn solve(&self, rhs: &mut [T], columns: usize) {
         assert_eq!(rhs.len(), self.size * columns, "right-hand side of another size");
-        let scratch = self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq);
+        let scratch = self.symbolic.solve_in_place_scratch::<T>(columns, Par::Seq);
         let mut memory = MemBuffer::new(scratch);
         let rhs = MatMut::from_column_major_slice_mut(rhs, self.size, columns);
-        LltRef::<'_, usize, f64>::new(&self.symbolic, &self.numeric).solve_in_place_with_conj(
+        LltRef::<'_, usize, T>::new(&self.symbolic, &self.numeric).solve_in_place_with_conj(
             Conj::No,
             rhs,
             Par::Seq,
@@ -154,6 +165,25 @@ mod tests {
             assert!((u[i] - x * (1.0 - x)).abs() < 1e-10);
             assert!((u[n + i] - 2.0 * x * (1.0 - x)).abs() < 1e-10);
         }
+    }
+
+    #[test]
+    fn a_hermitian_system_is_solved() {
+        // Around a ring, each number is the last one turned by a sixth of the circle more than fits: A = I + D with
+        // D z = z − e^{iθ} (the one before), as it is for least squares of such steps.
+        let (n, turn) = (12, c64::from_polar(1.0, 0.7));
+        let mut lower = Vec::new();
+        for i in 0..n {
+            lower.push(Entry::new(i, i, c64::new(2.5, 0.0)));
+            let next = (i + 1) % n;
+            let (row, col, value) = if next > i { (next, i, -turn) } else { (i, next, -turn.conj()) };
+            lower.push(Entry::new(row, col, value));
+        }
+        let x: Vec<c64> = (0..n).map(|k| c64::new(k as f64 * 0.3 - 1.0, (k as f64).sin())).collect();
+        let mut rhs: Vec<c64> =
+            (0..n).map(|k| x[k] * 2.5 - turn * x[(k + n - 1) % n] - turn.conj() * x[(k + 1) % n]).collect();
+        HermitianFactor::new(n, &lower).unwrap().solve(&mut rhs, 1);
+        assert!(x.iter().zip(&rhs).all(|(a, b)| (a - b).norm() < 1e-12));
     }
 
     #[test]

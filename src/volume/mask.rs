@@ -2,11 +2,13 @@
 
 use super::texture::{Tap, VolumeError, checked_voxels};
 
-/// A mask: a block of 8-bit opacities over the unit cube of texture space, x fastest; 0 outside the cube.
+/// A mask: a block of 8-bit opacities over the unit cube of texture space, x fastest; 0 outside the cube. Or opaque
+/// everywhere, in the cube and outside.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AlphaMask {
     size: [u32; 3],
     alpha: Vec<u8>,
+    everywhere: bool,
 }
 
 impl AlphaMask {
@@ -19,7 +21,19 @@ impl AlphaMask {
         if alpha.len() != expected {
             return Err(VolumeError::Length { expected, found: alpha.len() });
         }
-        Ok(Self { size, alpha })
+        Ok(Self { size, alpha, everywhere: false })
+    }
+
+    /// The mask that is opaque everywhere; as a block it is one voxel of 255.
+    #[must_use]
+    pub fn everywhere() -> Self {
+        Self { size: [1; 3], alpha: vec![255], everywhere: true }
+    }
+
+    /// Whether it is opaque outside the unit cube, too.
+    #[must_use]
+    pub fn is_everywhere(&self) -> bool {
+        self.everywhere
     }
 
     /// Voxels along x, y, z.
@@ -34,9 +48,13 @@ impl AlphaMask {
         &self.alpha
     }
 
-    /// Trilinear opacity in \[0, 1\] at a point of texture space; 0 outside the closed unit cube.
+    /// Trilinear opacity in \[0, 1\] at a point of texture space; 0 outside the closed unit cube, unless it is
+    /// opaque everywhere.
     #[must_use]
     pub fn sample(&self, uvw: [f32; 3]) -> f32 {
+        if self.everywhere {
+            return 1.0;
+        }
         if !uvw.iter().all(|u| (0.0..=1.0).contains(u)) {
             return 0.0;
         }
@@ -76,5 +94,6 @@ mod tests {
         assert_eq!(m.sample([0.3, 0.9, 1.0]), 1.0);
         assert_eq!(m.sample([0.3, 1.001, 0.5]), 0.0);
         assert_eq!(m.sample([f32::NAN, 0.5, 0.5]), 0.0);
+        assert_eq!(AlphaMask::everywhere().sample([-3.0, 1.001, 7.0]), 1.0);
     }
 }

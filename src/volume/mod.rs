@@ -4,6 +4,7 @@
 mod arrays;
 mod beside;
 mod block;
+mod choice;
 mod displacement;
 mod file;
 mod labels;
@@ -18,6 +19,7 @@ mod texture;
 
 pub use arrays::ArrayError;
 pub use beside::{Beside, BesideError};
+pub use choice::Choice;
 pub use displacement::{Displacement, MAX_HEIGHT};
 pub use file::{VolumeReadError, VolumeWriteError, read, read_mask, to_files, to_nrrd, write, write_mask};
 pub use mask::AlphaMask;

@@ -13,7 +13,7 @@ lapis, path = sys.argv[1:]
 with safe_open(path, "numpy") as file:
     a = {name: file.get_tensor(name) for name in file.keys()}
     about = json.loads(file.metadata()["lapis"])
-assert about["format"] == 4
+assert about["format"] == 5
 
 
 def linear(c):
@@ -45,11 +45,42 @@ def trilinear(block, uvw, tiles):
     )
 
 
-def texture(patch, uvw):
+def shifted(patch, uvw):
+    """Where a patch reads its exemplar."""
+    return uvw + a["patch_shift"][patch].astype(float) if "patch_shift" in a else uvw
+
+
+def taken(patch, uvw):
+    """How much of the voxels around a point the patch takes, and its colour there without the others."""
     e = a["patch_exemplar"][patch]
     block = a[f"exemplar_{e}"].astype(float)
     block = np.concatenate([linear(block[..., :3]), block[..., 3:] / 255], axis=-1)
-    return trilinear(block, uvw, about["exemplar_tiles"][e])
+    tiles = about["exemplar_tiles"][e]
+    choice = a["patch_choice"][patch] if "patch_choice" in a else 2**32 - 1
+    if choice == 2**32 - 1:
+        return 1.0, trilinear(block, uvw, tiles)
+    named = np.isin(
+        a.get(f"labels_{e}", np.zeros(block.shape[:3])),
+        a["choice_label"][a["choice_start"][choice] : a["choice_start"][choice + 1]],
+    )
+    takes = (named != bool(a["choice_without"][choice])).astype(float)
+    share = trilinear(takes, uvw, tiles)
+    return share, trilinear(block * takes[..., None], uvw, tiles) / max(share, 1e-30)
+
+
+def texture(patch, uvw):
+    return taken(patch, shifted(patch, uvw))[1]
+
+
+def opacity(patch, uvw):
+    n = a["patch_mask"][patch]
+    if n in about.get("masks_everywhere", []):
+        mask = 1.0
+    elif (uvw >= 0).all() and (uvw <= 1).all():
+        mask = trilinear(a[f"mask_{n}"].astype(float), uvw, "") / 255
+    else:
+        mask = 0.0
+    return mask * taken(patch, shifted(patch, uvw))[0] if mask > 0 else mask
 
 
 def colour(tet, barycentric):
@@ -58,9 +89,7 @@ def colour(tet, barycentric):
     for layer in layers:
         uvw = barycentric @ a["layer_uvw"][layer].astype(float)
         patch = a["layer_patch"][layer]
-        mask = 0.0
-        if (uvw >= 0).all() and (uvw <= 1).all():
-            mask = trilinear(a[f"mask_{a['patch_mask'][patch]}"].astype(float), uvw, "") / 255
+        mask = opacity(patch, uvw)
         c = texture(patch, uvw)
         x = x * (1 - mask) + mask * np.append(c[:3] * c[3], c[3])
         m = m * (1 - mask) + mask
@@ -79,10 +108,8 @@ def particle(tet, barycentric):
     for layer in reversed(layers):
         uvw = barycentric @ a["layer_uvw"][layer].astype(float)
         patch = a["layer_patch"][layer]
-        mask = 0.0
-        if (uvw >= 0).all() and (uvw <= 1).all():
-            mask = trilinear(a[f"mask_{a['patch_mask'][patch]}"].astype(float), uvw, "") / 255
-        shown.append((clear * mask, patch, uvw))
+        mask = opacity(patch, uvw)
+        shown.append((clear * mask, patch, shifted(patch, uvw)))
         clear *= 1 - mask
     if 1 - clear < 1 / 255:
         weight, patch, uvw = shown[-1]

@@ -33,9 +33,10 @@ fn cube(volume: &Path) -> Result<LappedSolid, Box<dyn Error>> {
         layer_start: (0..=6).collect(),
         layer_patch: vec![0; 6],
         layer_uvw,
-        patches: vec![Patch { exemplar: 0, mask: 0 }],
+        patches: vec![Patch::new(0, 0)],
         exemplars: vec![Arc::new(volume::read(volume)?)],
         masks: vec![Arc::new(AlphaMask::new([2; 3], vec![255; 8])?)],
+        choices: Vec::new(),
         ..bare(mesh)
     })
 }

@@ -287,6 +287,7 @@ fn without_layers(solid: &LappedSolid) -> LappedSolid {
         patches: Vec::new(),
         exemplars: Vec::new(),
         masks: Vec::new(),
+        choices: Vec::new(),
         look: None,
         parts: Vec::new(),
         tet_origin: solid.tet_origin.clone(),

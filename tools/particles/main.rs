@@ -3,7 +3,7 @@
 //!     cargo run --release --example particles -- FOLDER OUT [--size N] [NAME…]
 //!
 //! FOLDER holds the photographs by the names of `sources.rs`; OUT gets NAME.jpg, NAME.nrrd with its labels, and
-//! tables.md; and of the bricks brick-tube.jpg, a bent tube that is filled with them. With names, only these are made. On a sheet, first row: the photograph, its mask, slices of the volume across
+//! tables.md. With names, only these are made. On a sheet, first row: the photograph, its mask, slices of the volume across
 //! x, y and z, and one of what `lapis synthesise` makes of the photograph; second row: the volume as a cube before and
 //! after refinement, its particles alone before and after, and the cube of `lapis synthesise`; below: the ten best and the
 //! ten worst particles.
@@ -16,7 +16,6 @@ mod shapes;
 mod sheets;
 mod sources;
 mod table;
-mod tube;
 
 use std::error::Error;
 use std::fs;
@@ -40,8 +39,6 @@ use sources::Source;
 /// The width of a sheet, and the side of a cube's picture, in pixels.
 const WIDTH: u32 = 1560;
 const CUBE: u32 = 384;
-/// What the tube is built of.
-const BRICKS: &str = "bricks";
 /// Particles in a row.
 const ROW: usize = 10;
 
@@ -128,9 +125,6 @@ fn make(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         let pixels = by_pixels(source, &photo, *size)?;
         let sheet = sheet(source, &photo, &mask, &before.made.texture, &volume, &pixels)?;
         write_whole(&out.join(format!("{}.jpg", source.name)), &sheet)?;
-        if source.name == BRICKS {
-            tube::make(&volume.made.texture, out)?;
-        }
     }
     Ok(write_whole(&out.join("tables.md"), table::table(&made).as_bytes())?)
 }

@@ -141,7 +141,7 @@ pub fn paste(
         let sheet = Sheet::new(&pasting.stamp);
         for place in &places {
             let patch = solid.patches.len() as u32;
-            solid.patches.push(Patch { exemplar, mask });
+            solid.patches.push(Patch::new(exemplar, mask));
             for (tet, uvw) in stuck(&solid.mesh, place, &sheet) {
                 added[tet as usize].push((patch, uvw));
             }

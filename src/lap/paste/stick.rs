@@ -4,9 +4,9 @@ use glam::DVec3;
 
 use super::Stamp;
 use super::place::Placed;
-use crate::lap::LappedSolid;
 use crate::lap::coverage::MaskTable;
 use crate::lap::hide::{Layer, visible};
+use crate::lap::{LappedSolid, Patch};
 use crate::mesh::{NONE, TetMesh};
 
 /// A layer: its patch, and its texture coordinates at a tetrahedron's corners.
@@ -77,8 +77,9 @@ pub(super) fn restack(solid: &mut LappedSolid, added: &[Vec<NewLayer>]) {
             vec![true; layers.len()]
         } else {
             let layer = |(patch, uvw): (&u32, _)| {
-                let mask = solid.patches[*patch as usize].mask as usize;
-                Layer { uvw, mask: &solid.masks[mask], table: &tables[mask] }
+                let Patch { mask, choice, .. } = solid.patches[*patch as usize];
+                let (mask, chosen) = (mask as usize, choice != NONE);
+                Layer { uvw, mask: &solid.masks[mask], table: &tables[mask], chosen }
             };
             visible(&layers.iter().map(|(patch, uvw)| layer((patch, uvw))).collect::<Vec<_>>())
         };

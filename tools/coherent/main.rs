@@ -1,0 +1,166 @@
+//! Makes the pictures and the table of docs/coherent.md: shapes filled with bricks, each patch for itself and coherently.
+//!
+//!     cargo run --release --example coherent -- DATA OUT [--size N] [NAME…]
+//!
+//! DATA is a folder with `exemplars/acg_brick_Bricks006.png`, the photograph of which the bricks are made, and
+//! `meshes/spot.obj`; docs/coherent.md says where they come from. In OUT it writes a sheet for each shape, NAME.jpg, and
+//! table.md; with names, only these are made.
+
+#[path = "../contact.rs"]
+mod contact;
+mod shapes;
+#[path = "../sheets.rs"]
+mod sheets;
+
+use std::error::Error;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use lapis::exec::Exec;
+use lapis::files::write_whole;
+use lapis::mesh::Mesher;
+use lapis::particles::{
+    ClassParams, EditParams, MaskParams, ParticleExemplars, ParticleParams, Recolour, Tiling, make_mask,
+    particles, profiles,
+};
+use lapis::photo;
+use lapis::project::{self, Project, RunOptions};
+use lapis::render::Picture;
+use lapis::synthesis::Size;
+use lapis::volume::{self, SolidTexture};
+
+/// The shapes, with their project files.
+const SHAPES: [(&str, &str); 5] = [
+    ("tube", include_str!("tube.toml")),
+    ("column", include_str!("column.toml")),
+    ("arch", include_str!("arch.toml")),
+    ("torus", include_str!("torus.toml")),
+    ("spot", include_str!("spot.toml")),
+];
+const PICTURES: [&str; 3] = ["whole", "across", "lengthwise"];
+/// How each is filled: its row of pictures and of the table.
+const WAYS: [(&str, &str); 3] = [
+    ("each for itself", "coherent = false"),
+    ("rows end", "coherent = true\nrows = \"end\""),
+    ("rows keep", "coherent = true\nrows = \"keep\""),
+];
+const WIDTH: u32 = 1350;
+
+fn main() -> ExitCode {
+    sheets::program("coherent", |arguments| {
+        let out = &arguments.out;
+        fs::create_dir_all(out)?;
+        let photo = arguments.folder.join("exemplars/acg_brick_Bricks006.png");
+        for (path, bytes) in volume::to_files(&out.join("bricks.nrrd"), &bricks(&photo, arguments.size)?)? {
+            write_whole(&path, &bytes)?;
+        }
+        let mut table = HEADER.to_owned();
+        for (name, project) in SHAPES.into_iter().filter(|s| arguments.wants(s.0)) {
+            let mesh = match name {
+                "tube" => include_bytes!("../../meshes/tube.obj").to_vec(),
+                "column" => shapes::column(),
+                "arch" => shapes::arch(),
+                "torus" => shapes::torus(),
+                _ => fs::read(arguments.folder.join("meshes/spot.obj"))?,
+            };
+            write_whole(&out.join(format!("{name}.obj")), &mesh)?;
+            make(name, project, out, &mut table)?;
+        }
+        Ok(write_whole(&out.join("table.md"), table.as_bytes())?)
+    })
+}
+
+/// The bricks of the photograph, turned so that courses follow each other along z and y goes into the wall.
+fn bricks(photo: &Path, size: u32) -> Result<SolidTexture, Box<dyn Error>> {
+    let photo = photo::read(photo)?;
+    let mask =
+        make_mask(&photo, &MaskParams { tiles: Tiling::Both, ..MaskParams::default() }, &Exec::default())?;
+    let found = profiles(&mask, &photo, &ClassParams::default(), &Exec::default())?;
+    // Upright in the photograph: y is down, and what lies across it is left to itself.
+    let exemplars =
+        ParticleExemplars { photos: vec![(&photo, &found)], directions: [Some(0), None, Some(0)] };
+    let params = ParticleParams { size: Size([size; 3]), ..ParticleParams::default() };
+    let made =
+        particles(&exemplars, &params, &EditParams::default(), Recolour::default(), 0, &Exec::default())?;
+    let texture = made.made.texture;
+    let [nx, ny, nz] = texture.size();
+    let places = || (0..ny).flat_map(move |k| (0..nz).flat_map(move |j| (0..nx).map(move |i| (i, k, j))));
+    let voxels = places().map(|(i, j, k)| texture.voxel(i, j, k)).collect();
+    let labels = places().map(|(i, j, k)| texture.label(i, j, k).unwrap_or(0)).collect();
+    let [x, y, z] = texture.tiles();
+    Ok(SolidTexture::new([nx, nz, ny], voxels, [x, z, y])?.with_labels(labels)?)
+}
+
+/// Fills, cuts and draws a shape in every way, and adds its rows to the table.
+fn make(name: &str, text: &str, out: &Path, table: &mut String) -> Result<(), Box<dyn Error>> {
+    let mut pictures: Vec<Vec<Picture>> = Vec::new();
+    for (n, (way, keys)) in WAYS.into_iter().enumerate() {
+        let file = out.join(format!("{name}-{n}.toml"));
+        // Before the first table that is an entry of a list.
+        let at = text.find("[scale]").ok_or("the project has no scale")?;
+        write_whole(&file, format!("{}[fill]\n{keys}\n\n{}", &text[..at], &text[at..]).as_bytes())?;
+        let project = Project::read(&file)?;
+        let folder = out.join(format!("{name}-{n}"));
+        let options = RunOptions { mesher: Mesher::find(None), seed: None, force: true };
+        let start = Instant::now();
+        let report = serde_json::to_value(project::run(&project, &folder, &options, &Exec::default())?)?;
+        eprintln!("{name}, {way}: {:.1} s {report}", start.elapsed().as_secs_f64());
+        table.push_str(&row(name, way, &report)?);
+        let read = |name: &str| -> Result<Picture, Box<dyn Error>> {
+            square(&Picture::from_png(&fs::read(folder.join(format!("{name}.png")))?)?)
+        };
+        pictures.push(PICTURES.into_iter().map(read).collect::<Result<Vec<_>, _>>()?);
+    }
+    let rows: Vec<Vec<_>> = pictures.iter().map(|row| row.iter().map(contact::picture).collect()).collect();
+    Ok(write_whole(&out.join(format!("{name}.jpg")), &contact::jpeg(&rows, WIDTH)?)?)
+}
+
+/// The picture with room above and below.
+fn square(picture: &Picture) -> Result<Picture, Box<dyn Error>> {
+    let side = picture.width.max(picture.height);
+    let (left, top) = ((side - picture.width) / 2, (side - picture.height) / 2);
+    let pixel = |n: u32| {
+        let (x, y) = ((n % side).wrapping_sub(left), (n / side).wrapping_sub(top));
+        if x < picture.width && y < picture.height { picture.pixel(x, y) } else { [0; 4] }
+    };
+    Ok(Picture { width: side, height: side, rgba: (0..side * side).map(pixel).collect() })
+}
+
+const HEADER: &str = "| | | regular | layers | patches | sharpness | particles cut | disagreement, mean and 95 % | angle | stretch |
+|---|---|---|---|---|---|---|---|---|---|
+";
+
+fn row(name: &str, way: &str, report: &serde_json::Value) -> Result<String, std::fmt::Error> {
+    let number = |key: &str, digits: usize| {
+        find(report, key)
+            .and_then(serde_json::Value::as_f64)
+            .map_or_else(|| "–".to_owned(), |v| format!("{v:.digits$}"))
+    };
+    let mut line = String::new();
+    let regular = find(report, "regular_share").and_then(serde_json::Value::as_f64);
+    let regular = regular.map_or_else(|| "–".to_owned(), |r| format!("{:.2} %", 100.0 * r));
+    writeln!(
+        line,
+        "| {name} | {way} | {regular} | {} | {} | {} | {} | {}, {} | {}° | {} |",
+        number("layers_mean", 2),
+        number("patches", 0),
+        number("sharpness", 3),
+        number("particles_cut", 4),
+        number("disagreement_mean", 3),
+        number("disagreement_p95", 3),
+        number("angle_mean_deg", 1),
+        number("stretch_mean", 3),
+    )?;
+    Ok(line)
+}
+
+/// The value of a key, wherever it stands.
+fn find<'a>(value: &'a serde_json::Value, key: &str) -> Option<&'a serde_json::Value> {
+    match value {
+        serde_json::Value::Object(map) => map.get(key).or_else(|| map.values().find_map(|v| find(v, key))),
+        _ => None,
+    }
+}
