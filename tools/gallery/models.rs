@@ -103,9 +103,10 @@ pub(crate) const MODELS: [Model; 7] = [
         name: "cake",
         title: "Cake",
         text: "Four parts in one project: the layers, whose depth runs from top to foot; a coat of cream around them; \
-               rosettes and strawberries that stand in the coat. One cut goes through all. Look at the slice: sponge \
-               with its pores, cream and jam, and a berry with its white heart.",
-        weak: "berries, rosettes and the coat's rim are faceted; the berries' seeds are too large; it has 4,847 tetrahedra where the paper's one mesh had 2,734, since its coat is thin and its four parts keep their surfaces.",
+               rosettes and strawberries that stand on the coat. Their tetrahedra are made by hand, with as few as the \
+               shapes allow. One cut goes through all. Look at the slice: sponge with its pores, cream and jam, and a \
+               berry with its white heart.",
+        weak: "rosettes and berries are still faceted at their outlines; here and there patches of a berry's skin halve a seed.",
         paper: Some(Paper {
             tetrahedra: 2734,
             design_s: 34.0,
