@@ -29,11 +29,12 @@ pub(crate) const MODELS: [Model; 7] = [
         name: "kiwi",
         title: "Kiwi fruit",
         text: "Skin, flesh, seeds and core follow the depth, which is painted as 0 on the skin and 1 on a stretch \
-               of the fruit's axis; strokes from pole to pole turn the texture along the fruit. Look at the rays: \
+               of the fruit's axis; strokes from pole to pole turn the texture along the fruit. Seven hundred tufts \
+               of hair are pasted on the skin, finer than its voxels. Look at the rays: \
                they run from the core outwards in every section, because the texture's second axis is the depth \
                itself. Look at the ends of the core, too, where all directions meet: there seeds are stretched or \
                blended.",
-        weak: "the skin is soft at arm's length, without single hairs; seeds at the ends of the core are stretched; the outline shows the mesh's facets.",
+        weak: "hairs lie flat in the skin, and all tufts are copies of one; seeds at the ends of the core are stretched; the outline shows the mesh's facets.",
         paper: Some(Paper { tetrahedra: 4126, design_s: 29.0, fill_s: 39.0, cut_ms: 78.0, megabytes: 9.1 }),
     },
     Model {
@@ -71,7 +72,7 @@ pub(crate) const MODELS: [Model; 7] = [
                likes, and each copy is turned at random. Six hundred seeds are pasted on top, along a layer. Look at \
                the layers, which follow the rind in every section, and at the seeds, whole wherever a cut meets them, \
                which point to the middle.",
-        weak: "the flesh is marbled where copies of the texture meet, instead of even with fine veins.",
+        weak: "the flesh is soft from near, without single cells, and plain about the core.",
         paper: Some(Paper { tetrahedra: 2717, design_s: 17.0, fill_s: 25.0, cut_ms: 63.0, megabytes: 9.0 }),
     },
     Model {
