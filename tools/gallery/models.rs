@@ -44,8 +44,8 @@ pub(crate) const MODELS: [Model; 7] = [
                the paler wood in rays. One unit of texture is the root's radius, wherever that is: so the ring keeps \
                its place, and everything gets finer towards the tip. Look at how the same texture shows rays in a \
                section across and long fibres in one along the root, and at the side roots that cross the bast to \
-               end in a scar on the skin.",
-        weak: "no scars of leaves at the crown, and the tip is blunt, where a root thins out to a thread; sharp edges between patches of the skin.",
+               end in a scar on the skin. Where its leaves were cut off, their stubs are pasted on.",
+        weak: "the leaves' stubs are painted on a low mound, soft from near; the tip's thread is faceted; sharp edges between patches of the skin.",
         paper: Some(Paper { tetrahedra: 2313, design_s: 38.0, fill_s: 31.0, cut_ms: 63.0, megabytes: 7.1 }),
     },
     Model {
