@@ -60,7 +60,7 @@ fn watermelon() {
 /// Where the piths of two limbs run together, frames are singular on whole lines.
 #[test]
 fn tree() {
-    fills_with("tree", 5012.0, 0.012);
+    fills("tree", 5012.0);
 }
 
 #[test]
