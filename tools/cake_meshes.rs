@@ -196,7 +196,7 @@ fn berry() -> Cells {
     const RINGS: [(f64, u32); 5] = [(-CUT, 14), (-4.5, 14), (1.5, 14), (7.5, 11), (12.6, 7)];
     const TIP: f64 = 16.6;
     /// How far out the six points are, sideways and lengthwise. Depth bends there: the texture is finer near the skin.
-    const CORE: [f64; 2] = [0.4, 0.32];
+    const CORE: [f64; 2] = [0.4, 0.36];
     let mut cells = Cells::default();
     let girth = |angle: f64, z: f64| {
         // Narrower towards the tip, with broad shoulders.
@@ -225,14 +225,14 @@ fn berry() -> Cells {
 fn rosette() -> Cells {
     const LOBES: u32 = 6;
     const PROFILE: [[f64; 2]; 5] = [[0.0, 13.2], [4.5, 14.2], [10.0, 11.6], [14.8, 7.4], [18.6, 3.2]];
-    const COUNT: u32 = 3 * LOBES;
+    const VERTICES: u32 = 3 * LOBES;
     let mut cells = Cells::default();
     let foot = cells.add(DVec3::ZERO);
     let mut rings = Vec::new();
     for (n, [up, radius]) in PROFILE.iter().enumerate() {
-        let ring: Vec<u32> = (0..COUNT)
+        let ring: Vec<u32> = (0..VERTICES)
             .map(|k| {
-                let angle = -TAU * (f64::from(k) + 1.0 * n as f64) / f64::from(COUNT);
+                let angle = -TAU * (f64::from(k) + 1.0 * n as f64) / f64::from(VERTICES);
                 // Two vertices on each lobe, one in the groove beside it.
                 let radius = radius * if k % 3 == 0 { 0.84 } else { 1.04 };
                 cells.add(DVec3::new(radius * angle.cos(), radius * angle.sin(), *up))
@@ -244,8 +244,8 @@ fn rosette() -> Cells {
     let mut skin = Vec::new();
     for pair in rings.windows(2) {
         // Lobes join lobes: each vertex the next ring's of its own number and the one after it.
-        for k in 0..COUNT as usize {
-            let next = (k + 1) % COUNT as usize;
+        for k in 0..VERTICES as usize {
+            let next = (k + 1) % VERTICES as usize;
             let (a, b) = (&pair[0], &pair[1]);
             skin.extend([[a[k], b[k], a[next]], [a[next], b[k], b[next]]]);
         }
