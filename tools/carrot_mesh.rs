@@ -17,13 +17,14 @@ use std::process::ExitCode;
 use glam::DVec3;
 use lapis::mesh::TriMesh;
 
-/// The profile: distance from the crown along the root and radius, from the dent where the leaves stood to
-/// the tip.
-const PROFILE: [[f64; 2]; 19] = [
-    [2.6, 0.0],
-    [2.3, 3.0],
-    [1.2, 6.2],
-    [0.4, 9.5],
+/// The profile: distance from the crown along the root and radius, from the mound in the crown's dent, where the leaves
+/// stood, to the thread in which the root ends.
+const PROFILE: [[f64; 2]; 22] = [
+    [0.2, 0.0],
+    [0.6, 2.5],
+    [1.6, 5.0],
+    [1.8, 7.6],
+    [0.8, 10.4],
     [0.9, 13.0],
     [3.2, 16.3],
     [7.5, 18.5],
@@ -35,18 +36,22 @@ const PROFILE: [[f64; 2]; 19] = [
     [78.0, 11.4],
     [90.0, 9.2],
     [100.0, 7.0],
-    [107.0, 5.2],
-    [112.5, 3.6],
-    [116.2, 2.2],
-    [117.8, 0.0],
+    [107.0, 4.9],
+    [113.0, 3.1],
+    [119.0, 2.0],
+    [126.0, 1.3],
+    [131.5, 0.7],
+    [132.6, 0.0],
 ];
 /// Where the root is deepest: along the axis from here to there, in distances from the crown.
-const AXIS: [f64; 2] = [17.0, 113.5];
+const AXIS: [f64; 2] = [17.0, 126.0];
 /// Where on the profile the shoulder ends: its vertex of this number has the greatest radius.
-const WIDEST: usize = 7;
+const WIDEST: usize = 8;
 /// The length of edges as a part of the radius, and between which bounds, in millimetres.
-const EDGE: f64 = 0.345;
-const EDGES: [f64; 2] = [1.9, 6.0];
+const EDGE: f64 = 0.365;
+const EDGES: [f64; 2] = [2.1, 6.0];
+/// The length of edges on the mound, which ends so far along the profile.
+const MOUND: [f64; 2] = [4.2, 9.0];
 /// How many edges apart rings are, on the rounded shoulder and on the root: along that there is less to show
 /// than around it.
 const APART: [f64; 2] = [0.85, 1.5];
@@ -141,7 +146,7 @@ fn bulge(from_crown: f64, angle: f64) -> f64 {
         + 0.014 * wave(47.0, 2.0, 2.9)
         + 0.010 * wave(29.0, 4.0, 4.2)
         + 0.010 * wave(37.0, 1.0, 0.4);
-    (round + lobes) * (from_crown / 12.0).min(1.0)
+    (round + lobes) * (from_crown / 12.0).clamp(0.0, 1.0)
 }
 
 /// The profile as a smooth curve, measured.
@@ -191,6 +196,9 @@ impl Line {
 
     /// How long edges should be there.
     fn edge(&self, far: f64) -> f64 {
+        if far < MOUND[1] {
+            return MOUND[0];
+        }
         let radius = if far < self.widest.0 { self.widest.1 } else { self.at(far)[1] };
         (EDGE * radius).clamp(EDGES[0], EDGES[1])
     }

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use lapis::exec::Exec;
 use lapis::files;
-use lapis::mesh::{self, TriMesh};
+use lapis::mesh::{self, FaceOrigin, TetMesh, TriMesh};
 
 /// Reads a program's command line, and prints its strokes where `--strokes` asks for them.
 ///
@@ -58,6 +58,42 @@ pub(crate) fn in_groups(name: &str, mesh: TriMesh, groups: &[(&str, usize)]) -> 
     }
     eprintln!("{}", report(&mesh));
     ExitCode::SUCCESS
+}
+
+/// Writes tetrahedra to `meshes/NAME.vtu`, in thousandths of their unit, and says how many they are; fails where they
+/// overlap, or their surface does not enclose a solid.
+#[allow(dead_code)] // most make surfaces
+pub(crate) fn tetrahedra(name: &str, points: &[glam::DVec3], tets: Vec<[u32; 4]>) -> ExitCode {
+    let points = points.iter().map(|p| (p * 1000.0).round() / 1000.0).collect();
+    let made = TetMesh::new(points, tets, |_, _| FaceOrigin::Input(0)).map_err(|e| e.to_string());
+    let written = made.and_then(|mesh| {
+        let triangles = mesh.boundary.iter().map(|face| mesh.face_vertices(face)).collect();
+        let around = TriMesh { vertices: mesh.vertices.clone(), triangles };
+        let found = mesh::defects(&around, &Exec::default()).map_err(|e| e.to_string())?;
+        // Positive tetrahedra that overlap take more than what they enclose.
+        if !found.is_empty() || (mesh.volume() / around.volume() - 1.0).abs() > 1e-9 {
+            return Err(format!("tetrahedra overlap, or their surface has defects: {found}"));
+        }
+        let target = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("meshes/{name}.vtu"));
+        mesh::write_tets(&target, &mesh).map_err(|e| e.to_string())?;
+        Ok(mesh)
+    });
+    match written {
+        Ok(mesh) => {
+            eprintln!(
+                "{name}: {} vertices, {} tetrahedra, {} triangles outside, {:.1} ml",
+                mesh.vertices.len(),
+                mesh.tets.len(),
+                mesh.boundary.len(),
+                mesh.volume() / 1000.0
+            );
+            ExitCode::SUCCESS
+        }
+        Err(e) => {
+            eprintln!("{name}: {e}");
+            ExitCode::FAILURE
+        }
+    }
 }
 
 /// The OBJ file with a line `g NAME` before each group's first face.

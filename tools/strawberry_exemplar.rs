@@ -4,7 +4,7 @@
 //!     cargo run --release --example strawberry_exemplar -- --preview DIR      also shows how it will look
 //!
 //! Texture axes: y is depth (0 the skin, 1 the heart), x and z run alike along the skin. It tiles along x and z. One
-//! unit is the berry's radius. From outside in: red skin with its seeds in dimples, red flesh that pales along
+//! unit is two thirds of the berry's radius near its skin, and more about its heart. From outside in: red skin with its seeds in dimples, red flesh that pales along
 //! strands running inwards, a white heart. Patches are turned at random about the depth.
 
 mod brush;
@@ -79,7 +79,7 @@ impl Berry {
         for seed in &self.seeds {
             let (a, b) = (around(x - seed.centre[0]), around(z - seed.centre[1]));
             let [c, s] = seed.turn;
-            let far = ((c * a + s * b) / 0.040).hypot((c * b - s * a) / 0.027);
+            let far = ((c * a + s * b) / 0.036).hypot((c * b - s * a) / 0.024);
             // The dimple: shaded within, lit at its lip.
             paint = mix(paint, srgb(250, 96, 78), 0.35 * step(2.9, 2.3, far) * step(1.7, 2.2, far));
             paint = mix(paint, srgb(134, 4, 16), 0.85 * step(2.2, 1.3, far));

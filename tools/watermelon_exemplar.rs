@@ -25,23 +25,25 @@ fn main() -> ExitCode {
     brush::program("watermelon", [true, false, true], |p| with_rind(p, flesh(p)), preview)
 }
 
-/// Flesh, from the white of the rind to the heart.
+/// Flesh, from the white of the rind to the heart: even, since what is uneven over more than a few voxels shows where
+/// copies of the texture meet, and stretched about the core; with fine veins that run with depth.
 fn flesh(p: [f64; 3]) -> Paint {
     let y = p[1];
-    // Fibres that run with depth; cells full of juice; and how ripe it is here.
+    // Fibres that run with depth; cells full of juice.
     let fibre = noise(p, [22, 3, 22], 1) + 0.7 * noise(p, [31, 6, 31], 2);
-    let grain = noise(p, [29, 29, 29], 3);
-    let juice = noise(p, [13, 11, 13], 4) + 0.5 * noise(p, [21, 18, 21], 5);
+    let grain = noise(p, [31, 31, 31], 3);
+    let juice = noise(p, [27, 23, 27], 4);
+    // Thin as where a noise changes its sign.
+    let vein = step(0.13, 0.03, (noise(p, [19, 3, 19], 7) + 0.15 * noise(p, [31, 9, 31], 8)).abs());
 
-    let red = mix(srgb(218, 44, 50), srgb(186, 22, 36), 0.5 + 0.55 * juice);
-    let red = mix(red, srgb(150, 12, 26), 0.45 * step(0.2, 0.9, -grain));
-    let red = mix(red, srgb(240, 104, 96), 0.55 * step(0.25, 0.8, grain));
-    let calm = step(0.93, 0.80, y);
-    let red = mix(red, srgb(246, 148, 130), 0.5 * calm * step(0.45, 1.1, fibre));
-    let red = mix(red, srgb(166, 14, 30), 0.4 * calm * step(0.4, 1.1, -fibre));
-    // The heart is lighter, and melts.
-    let heart = mix(srgb(226, 66, 66), srgb(238, 104, 96), 0.5 + 0.5 * juice + 0.3 * grain);
-    let red = mix(red, heart, 0.7 * step(0.80, 0.97, y));
+    let calm = step(0.97, 0.80, y);
+    let red = mix(srgb(212, 40, 48), srgb(196, 28, 40), 0.5 + 0.5 * juice);
+    let red = mix(red, srgb(178, 18, 32), 0.4 * step(0.2, 0.8, -grain));
+    let red = mix(red, srgb(232, 84, 80), 0.4 * step(0.3, 0.8, grain));
+    let red = mix(red, srgb(236, 112, 102), 0.42 * calm * vein * step(-0.6, 0.5, fibre));
+    // The heart is a little lighter, and melts.
+    let heart = mix(srgb(214, 48, 54), srgb(222, 64, 66), 0.5 + 0.4 * grain);
+    let red = mix(red, heart, 0.8 * step(0.78, 0.97, y));
 
     // Towards the rind it is paler, along the fibres first.
     let edge = 0.150 + 0.014 * fibre + 0.008 * juice;

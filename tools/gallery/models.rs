@@ -29,11 +29,12 @@ pub(crate) const MODELS: [Model; 7] = [
         name: "kiwi",
         title: "Kiwi fruit",
         text: "Skin, flesh, seeds and core follow the depth, which is painted as 0 on the skin and 1 on a stretch \
-               of the fruit's axis; strokes from pole to pole turn the texture along the fruit. Look at the rays: \
+               of the fruit's axis; strokes from pole to pole turn the texture along the fruit. Seven hundred tufts \
+               of hair are pasted on the skin, finer than its voxels. Look at the rays: \
                they run from the core outwards in every section, because the texture's second axis is the depth \
                itself. Look at the ends of the core, too, where all directions meet: there seeds are stretched or \
                blended.",
-        weak: "the skin is soft at arm's length, without single hairs; seeds at the ends of the core are stretched; the outline shows the mesh's facets.",
+        weak: "hairs lie flat in the skin, and all tufts are copies of one; seeds at the ends of the core are stretched; the outline shows the mesh's facets.",
         paper: Some(Paper { tetrahedra: 4126, design_s: 29.0, fill_s: 39.0, cut_ms: 78.0, megabytes: 9.1 }),
     },
     Model {
@@ -43,8 +44,8 @@ pub(crate) const MODELS: [Model; 7] = [
                the paler wood in rays. One unit of texture is the root's radius, wherever that is: so the ring keeps \
                its place, and everything gets finer towards the tip. Look at how the same texture shows rays in a \
                section across and long fibres in one along the root, and at the side roots that cross the bast to \
-               end in a scar on the skin.",
-        weak: "no scars of leaves at the crown, and the tip is blunt, where a root thins out to a thread; sharp edges between patches of the skin.",
+               end in a scar on the skin. Where its leaves were cut off, their stubs are pasted on.",
+        weak: "the leaves' stubs are painted on a low mound, soft from near; the tip's thread is faceted; sharp edges between patches of the skin.",
         paper: Some(Paper { tetrahedra: 2313, design_s: 38.0, fill_s: 31.0, cut_ms: 63.0, megabytes: 7.1 }),
     },
     Model {
@@ -71,7 +72,7 @@ pub(crate) const MODELS: [Model; 7] = [
                likes, and each copy is turned at random. Six hundred seeds are pasted on top, along a layer. Look at \
                the layers, which follow the rind in every section, and at the seeds, whole wherever a cut meets them, \
                which point to the middle.",
-        weak: "the flesh is marbled where copies of the texture meet, instead of even with fine veins.",
+        weak: "the flesh is soft from near, without single cells, and plain about the core.",
         paper: Some(Paper { tetrahedra: 2717, design_s: 17.0, fill_s: 25.0, cut_ms: 63.0, megabytes: 9.0 }),
     },
     Model {
@@ -103,9 +104,10 @@ pub(crate) const MODELS: [Model; 7] = [
         name: "cake",
         title: "Cake",
         text: "Four parts in one project: the layers, whose depth runs from top to foot; a coat of cream around them; \
-               rosettes and strawberries that stand in the coat. One cut goes through all. Look at the slice: sponge \
-               with its pores, cream and jam, and a berry with its white heart.",
-        weak: "berries, rosettes and the coat's rim are faceted; the berries' seeds are too large; it has 4,847 tetrahedra where the paper's one mesh had 2,734, since its coat is thin and its four parts keep their surfaces.",
+               rosettes and strawberries that stand on the coat. Their tetrahedra are made by hand, with as few as the \
+               shapes allow. One cut goes through all. Look at the slice: sponge with its pores, cream and jam, and a \
+               berry with its white heart.",
+        weak: "rosettes and berries are still faceted at their outlines; here and there patches of a berry's skin halve a seed.",
         paper: Some(Paper {
             tetrahedra: 2734,
             design_s: 34.0,
