@@ -45,7 +45,8 @@ fn bench() -> Bench {
     bench
 }
 
-const FILL: &str = "fill t.node --type 1a --direction 0.2,0.1,1 --scale 1.1";
+/// Each patch for itself: by themselves labels make a fill coherent.
+const FILL: &str = "fill t.node --type 1a --direction 0.2,0.1,1 --scale 1.1 --coherent false";
 
 /// What the model is at some points.
 fn at(bench: &Bench, model: &str, points: &[[f64; 3]]) -> Vec<Value> {

@@ -48,6 +48,7 @@ fn pixel(t: f64, n: u32) -> u32 {
 }
 
 /// A photograph, as wide as high.
+#[allow(dead_code)] // not all sheets show one
 pub(crate) fn photograph(photo: &Photograph) -> Tile<'_> {
     Box::new(move |u, v| photo.pixel(pixel(u, photo.size()[0]), pixel(v, photo.size()[1])))
 }
@@ -58,6 +59,7 @@ pub(crate) fn picture(picture: &Picture) -> Tile<'_> {
 }
 
 /// The slice across an axis at a place from 0 to 1.
+#[allow(dead_code)] // not all sheets show one
 pub(crate) fn slice(texture: &SolidTexture, axis: Axis, place: f64) -> Tile<'_> {
     let size = UVec3::from(texture.size());
     Box::new(move |u, v| {

@@ -78,14 +78,19 @@ pub(super) fn stack(
     Ok(Stacks { start, slots, seen: seen.concat() })
 }
 
+/// What patches are made of, by the numbers that they name.
+pub(super) struct Stock {
+    pub(super) masks: Vec<AlphaMask>,
+    pub(super) exemplars: Vec<Arc<SolidTexture>>,
+    pub(super) choices: Vec<Choice>,
+}
+
 /// The model without the layers that cannot be seen, and how many those are.
 pub(super) fn assemble(
     mesh: TetMesh,
     fields: Fields,
     frame: Vec<[DVec3; 3]>,
-    masks: Vec<AlphaMask>,
-    exemplars: Vec<Arc<SolidTexture>>,
-    choices: Vec<Choice>,
+    Stock { masks, exemplars, choices }: Stock,
     pasted: &[Pasted],
     stacks: &Stacks,
 ) -> (LappedSolid, usize) {

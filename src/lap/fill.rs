@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::agreement::agreement;
-use super::assemble::{assemble, stack};
+use super::assemble::{Stock, assemble, stack};
 use super::clump::{Workspace, paste};
 use super::coherent::{Direct, Unfit, is_wanted, layered};
 use super::coverage::{Alpha, MaskTable, POINTS, sample_lattice};
@@ -300,9 +300,9 @@ pub fn fill(
         let frame = frames.at_vertices(&mesh);
         drop(texture);
         let exemplars = exemplars.into_iter().map(|texture| followed(texture, kind)).collect();
+        let stock = Stock { masks, exemplars, choices };
         let regular = direct.as_ref().map(|d| d.regular_share(&mesh));
-        let (solid, hidden) =
-            assemble(mesh, fields.clone(), frame, masks, exemplars, choices, &lapped.pasted, &stacks);
+        let (solid, hidden) = assemble(mesh, fields.clone(), frame, stock, &lapped.pasted, &stacks);
         let mut measures = FillMeasures::new(&solid, &lapped.fit, lapped.uncovered, given(&fields, kind));
         measures.regular_share = regular;
         measures.frame_seams = direct.as_ref().map(|d| d.seams.len() / 2);

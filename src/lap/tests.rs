@@ -10,6 +10,11 @@ use crate::mesh::TetMesh;
 use crate::mesh::shapes::ball;
 use crate::volume::SolidTexture;
 
+/// Lapping in which each patch is for itself; coherent lapping has tests of its own.
+fn plain() -> FillParams {
+    FillParams { coherent: Coherent::False, ..FillParams::default() }
+}
+
 fn texture(tiles: [bool; 3]) -> Arc<SolidTexture> {
     let n = 32usize;
     let voxels = (0..n * n * n)
@@ -43,8 +48,7 @@ fn filled(kind: TextureType, threads: usize) -> (LappedSolid, FillReport) {
     let mesh = ball(2, 6);
     let fields = fields(&mesh, kind, 0.8);
     let exec = Exec::with_threads(threads).unwrap();
-    fill(mesh, texture(kind.given().map(|given| !given)), kind, &fields, &FillParams::default(), 7, &exec)
-        .unwrap()
+    fill(mesh, texture(kind.given().map(|given| !given)), kind, &fields, &plain(), 7, &exec).unwrap()
 }
 
 #[test]
@@ -100,8 +104,7 @@ fn what_follows_a_field_does_not_wrap() {
         let mesh = ball(1, 4);
         let fields = fields(&mesh, kind, 0.8);
         let exec = Exec::with_threads(1).unwrap();
-        let (solid, _) =
-            fill(mesh, texture([true; 3]), kind, &fields, &FillParams::default(), 7, &exec).unwrap();
+        let (solid, _) = fill(mesh, texture([true; 3]), kind, &fields, &plain(), 7, &exec).unwrap();
         assert_eq!(solid.exemplars[0].tiles(), kind.given().map(|given| !given), "{kind}");
     }
 }
@@ -123,8 +126,7 @@ fn three_fields_are_the_mapping() {
 fn fields_that_are_no_coordinates_are_refused_with_the_place() {
     let mesh = ball(2, 6);
     let run = |kind, fields: &Fields| {
-        fill(mesh.clone(), texture([false; 3]), kind, fields, &FillParams::default(), 0, &Exec::default())
-            .map(|_| ())
+        fill(mesh.clone(), texture([false; 3]), kind, fields, &plain(), 0, &Exec::default()).map(|_| ())
     };
     let good = fields(&mesh, TextureType::Type2c, 0.8);
     let same = Fields { along: good.depth.clone(), ..good.clone() };
@@ -209,7 +211,7 @@ fn each_type_refuses_what_it_does_not_use_and_misses_what_it_does() {
                 3 => given.along = values(needed),
                 _ => given.across = values(needed),
             }
-            let params = FillParams::default();
+            let params = plain();
             let run = fill(mesh.clone(), texture([true; 3]), kind, &given, &params, 0, &Exec::default());
             let error = run.map(|_| ()).unwrap_err();
             let expected = if needed {
@@ -230,7 +232,7 @@ fn inputs_are_checked_by_name() {
         fill(ball(1, 2), texture([true; 3]), kind, fields, params, 0, &Exec::default()).map(|_| ())
     };
     let good = fields(&mesh, TextureType::Type1a, 1.0);
-    let params = FillParams::default();
+    let params = plain();
     assert_eq!(run(TextureType::Type1a, &good, &params), Ok(()));
     assert!(matches!(
         run(TextureType::Type0, &good, &params),
@@ -304,8 +306,8 @@ fn a_look_survives_its_file_and_earlier_versions_are_read() {
     bad.mesh.boundary[3].origin = crate::mesh::FaceOrigin::Input(1 << 20);
     let refused = LappedSolid::from_bytes(&bad.to_bytes()).unwrap_err();
     assert!(matches!(refused, ModelFileError::Value { name: "boundary_input", index: 3, .. }), "{refused}");
-    // A version 1 file knows nothing of looks, those of versions 2 and 3 are the same as long as there are
-    // neither labels nor displacements nor parts.
+    // A version 1 file knows nothing of looks, those of versions 2 to 4 are the same as long as there are
+    // neither labels nor displacements nor parts, and patches take all that they cover.
     solid.look = None;
     let bytes = solid.to_bytes();
     let version = |n: u32| format!("\\\"format\\\":{n},");
@@ -316,12 +318,13 @@ fn a_look_survives_its_file_and_earlier_versions_are_read() {
         other[at..at + version(n).len()].copy_from_slice(version(n).as_bytes());
         LappedSolid::from_bytes(other)
     };
+    assert_eq!(of_version(4, &mut other).unwrap(), solid);
     assert_eq!(of_version(3, &mut other).unwrap(), solid);
     assert_eq!(of_version(2, &mut other).unwrap(), solid);
     let look = find(&bytes, key);
     other[look..look + key.len()].fill(b' ');
     assert_eq!(of_version(1, &mut other).unwrap(), solid);
-    assert!(matches!(of_version(FORMAT_VERSION + 1, &mut other), Err(ModelFileError::Version(5))));
+    assert!(matches!(of_version(FORMAT_VERSION + 1, &mut other), Err(ModelFileError::Version(6))));
 }
 
 /// The texture of the other tests, with eight particles: its octants, but the first, which is matrix.
@@ -336,7 +339,7 @@ fn labels_survive_filling_and_files() {
     for kind in [TextureType::Type1a, TextureType::Type2d] {
         let mesh = ball(2, 6);
         let fields = fields(&mesh, kind, 0.8);
-        let (params, exec) = (FillParams::default(), Exec::default());
+        let (params, exec) = (plain(), Exec::default());
         let (solid, _) = fill(mesh, octants(), kind, &fields, &params, 7, &exec).unwrap();
         assert_eq!(solid.exemplars[0].labels(), octants().labels());
         let bytes = solid.to_bytes();
@@ -357,7 +360,7 @@ fn labels_survive_filling_and_files() {
 fn what_is_seen_has_the_largest_weight() {
     let mesh = ball(2, 6);
     let fields = fields(&mesh, TextureType::Type1a, 0.8);
-    let (params, exec) = (FillParams::default(), Exec::default());
+    let (params, exec) = (plain(), Exec::default());
     let exemplar = octants();
     let (mut solid, _) =
         fill(mesh, exemplar.clone(), TextureType::Type1a, &fields, &params, 7, &exec).unwrap();

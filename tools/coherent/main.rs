@@ -3,8 +3,8 @@
 //!     cargo run --release --example coherent -- DATA OUT [--size N] [NAME…]
 //!
 //! DATA is a folder with `exemplars/acg_brick_Bricks006.png`, the photograph of which the bricks are made, and
-//! `meshes/spot.obj`; docs/coherent.md says where they come from. In OUT it writes a sheet for each shape, NAME.jpg, and
-//! table.md; with names, only these are made.
+//! `meshes/spot.obj`; docs/coherent.md says where they come from. In OUT it writes a sheet for each shape, NAME.jpg,
+//! table.md and times.md; with names (`times` for the last), only these are made.
 
 #[path = "../contact.rs"]
 mod contact;
@@ -69,8 +69,42 @@ fn main() -> ExitCode {
             write_whole(&out.join(format!("{name}.obj")), &mesh)?;
             make(name, project, out, &mut table)?;
         }
-        Ok(write_whole(&out.join("table.md"), table.as_bytes())?)
+        write_whole(&out.join("table.md"), table.as_bytes())?;
+        if arguments.wants("times") {
+            write_whole(&out.join("times.md"), times(out)?.as_bytes())?;
+        }
+        Ok(())
     })
+}
+
+/// How long fills of the tube take, by tetrahedra.
+fn times(out: &Path) -> Result<String, Box<dyn Error>> {
+    let mut table = "| tetrahedra | each for itself | coherent | ratio |\n|---|---|---|---|\n".to_owned();
+    let (_, text) = SHAPES[0];
+    // The fields alone: nothing is cut and drawn.
+    let fields = text.split("[[cut]]").next().unwrap_or(text);
+    write_whole(&out.join("tube.obj"), include_bytes!("../../meshes/tube.obj"))?;
+    for tets in [10_000, 100_000, 1_000_000] {
+        let mut seconds = Vec::new();
+        let mut count = 0.0;
+        for keys in ["coherent = false", "coherent = true"] {
+            let file = out.join("times.toml");
+            let text = fields.replace("tets = 6000", &format!("tets = {tets}"));
+            let text = text.replace("[scale]", &format!("[fill]\n{keys}\n\n[scale]"));
+            write_whole(&file, format!("picture = []\n{text}\n[export]\nformats = []\n").as_bytes())?;
+            let options = RunOptions { mesher: Mesher::find(None), seed: None, force: true };
+            let report =
+                project::run(&Project::read(&file)?, &out.join("times"), &options, &Exec::default())?;
+            let report = serde_json::to_value(report)?;
+            let number = |key| find(&report, key).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
+            seconds.push(number("fill"));
+            count = number("tetrahedra");
+            eprintln!("{tets}, {keys}: {:.2} s", number("fill"));
+        }
+        let ratio = seconds[1] / seconds[0];
+        writeln!(table, "| {count} | {:.2} s | {:.2} s | {ratio:.2} |", seconds[0], seconds[1])?;
+    }
+    Ok(table)
 }
 
 /// The bricks of the photograph, turned so that courses follow each other along z and y goes into the wall.

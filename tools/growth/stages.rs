@@ -9,7 +9,7 @@ use std::time::Instant;
 use lapis::cut::{CutError, CutParams, clip, cut, section};
 use lapis::exec::{Exec, Progress};
 use lapis::field::{DirectionParams, direction_field, scale_field};
-use lapis::lap::{Fields, FillParams, FillReport, LappedSolid, TextureType, fill};
+use lapis::lap::{Coherent, Fields, FillParams, FillReport, LappedSolid, TextureType, fill};
 use lapis::mesh::{self, Mesher, TetMesh, TetParams};
 use lapis::volume::SolidTexture;
 use serde_json::{Value, json};
@@ -132,9 +132,8 @@ pub(crate) fn run(size: usize, threads: usize, save: Option<&Path>) -> Result<Va
         let scale = scale_field(&tets, unit, &[], &exec)?;
         Ok(Fields { depth: None, direction: Some(direction), scale: Some(scale), ..Fields::default() })
     })?;
-    let (solid, filled) = stages.run("fill", || {
-        fill(tets, texture, TextureType::Type1a, &fields, &FillParams::default(), 1, &exec)
-    })?;
+    let (solid, filled) =
+        stages.run("fill", || fill(tets, texture, TextureType::Type1a, &fields, &plain(), 1, &exec))?;
     for (name, stage) in [
         ("of it pasting", "fill"),
         ("of it hidden layers", "hidden layers"),
@@ -200,12 +199,16 @@ fn scale(size: usize, tets: &TetMesh, texture: &Arc<SolidTexture>, exec: &Exec) 
         let direction = direction_field(tets, &model::strokes(), None, &DirectionParams::default(), exec)?;
         let scale = Some(scale_field(tets, unit, &[], exec)?);
         let fields = Fields { direction: Some(direction), scale, ..Fields::default() };
-        let params = FillParams::default();
         let (_, filled) =
-            fill(tets.clone(), texture.clone(), TextureType::Type1a, &fields, &params, 1, exec)?;
+            fill(tets.clone(), texture.clone(), TextureType::Type1a, &fields, &plain(), 1, exec)?;
         unit *= (model::PATCH / per_patch(&filled)).cbrt();
     }
     Ok(unit)
+}
+
+/// Lapping in which each patch is for itself, whatever the texture.
+fn plain() -> FillParams {
+    FillParams { coherent: Coherent::False, ..FillParams::default() }
 }
 
 /// Over how many tetrahedra a patch lies.

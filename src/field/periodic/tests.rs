@@ -115,7 +115,7 @@ fn levelled_lengths_keep_rows_around_a_bend() {
     // The length of a brick grows with the radius.
     for t in 0..mesh.tets.len() {
         let r = (mesh.corners(t).iter().sum::<DVec3>() / 4.0).truncate().length();
-        assert!((levelled.lengths(t).x / r / 0.2 - 0.69).abs() < 0.1, "{} at {r}", levelled.lengths(t).x);
+        assert!((levelled.lengths(t).x / r / 0.2 - 0.69).abs() < 0.12, "{} at {r}", levelled.lengths(t).x);
     }
     let found = Periodic::new(&mesh, &levelled, &[], [true, false, false], &Exec::default()).unwrap();
     assert!(found.regular.iter().all(|r| *r));

@@ -41,3 +41,6 @@ pub(super) fn layered(
         None => Ok(regular::layered(ground, direct, texture, lapped, everywhere)),
     }
 }
+
+#[cfg(test)]
+mod tests;

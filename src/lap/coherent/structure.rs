@@ -10,7 +10,7 @@ pub(in crate::lap) struct Unfit(pub(in crate::lap) String);
 /// Particles count as structure where they fill this part of the volume.
 const PARTICLES: std::ops::Range<f64> = 0.02..0.99;
 /// A texture has rows where, shifted along an axis, it is this much more like itself than at smaller shifts.
-const ROWS: f64 = 0.4;
+const ROWS: f64 = 0.6;
 
 /// Whether a fill is to be coherent along the `free` axes.
 ///
@@ -101,7 +101,7 @@ mod tests {
         assert!(wanted(&rows, [true; 3]) && wanted(&rows, [true, false, true]));
         let layers = texture(|[_, j, _]| if j % 8 < 2 { 220 } else { 120 }, [true, false, true]);
         assert!(!wanted(&layers, [true, false, true]));
-        let noise = |[i, j, k]: [usize; 3]| ((i * 71 + j * 1931 + k * 7817) * 2_654_435_761 >> 7 & 255) as u8;
+        let noise = |[i, j, k]: [usize; 3]| crate::lap::seed::mix(i as u64, j as u64, k as u64) as u8;
         assert!(!wanted(&texture(noise, [true; 3]), [true; 3]));
         let labels = (0..4096).map(|v| u32::from(v % 7 > 3)).collect();
         let stones = texture(noise, [true; 3]).with_labels(labels).unwrap();
