@@ -4,10 +4,7 @@ mod common;
 
 use common::Bench;
 use lapis::lap::LappedSolid;
-use lapis::volume::{SolidTexture, write};
-
-/// Voxels along each side of the bricks.
-const N: usize = 16;
+use lapis::volume::write;
 
 /// A rounded cube of tetrahedra, `bricks.nrrd` that tiles and has labels, `open.nrrd` that does not tile along z.
 fn bench() -> Bench {
@@ -15,17 +12,7 @@ fn bench() -> Bench {
     let (nodes, cells) = common::tets(5);
     bench.file("t.node", nodes);
     bench.file("t.ele", cells);
-    let label = |v: usize| {
-        let at = [v % N, v / N % N, v / N / N];
-        let joint = at.iter().any(|c| c % (N / 2) < 2);
-        if joint { 0 } else { 1 + (at[0] * 2 / N + at[1] * 2 / N * 2 + at[2] * 2 / N * 4) as u32 }
-    };
-    let labels: Vec<u32> = (0..N.pow(3)).map(label).collect();
-    let voxels = labels
-        .iter()
-        .map(|&l| if l == 0 { [230, 230, 230, 255] } else { [90 + 15 * l as u8, 60, 40, 255] })
-        .collect();
-    let bricks = SolidTexture::new([N as u32; 3], voxels, [true; 3]).unwrap().with_labels(labels).unwrap();
+    let bricks = common::bricks();
     write(&bench.path("bricks.nrrd"), &bricks).unwrap();
     write(&bench.path("open.nrrd"), &bricks.with_tiles([true, true, false])).unwrap();
     bench

@@ -83,6 +83,17 @@ fn a_cube_with_depth() {
 }
 
 #[test]
+fn bricks_that_stay_bricks() {
+    let bench = filled("--type 1a --direction 0.2,0.1,1 --scale 0.8");
+    lapis::volume::write(&bench.path("bricks.nrrd"), &common::bricks()).unwrap();
+    bench.ok("fill cube.node --texture bricks.nrrd --type 1a --direction 0.2,0.1,1 --scale 0.7 -o b.lapis");
+    bench.ok("cut b.lapis --plane 0.5,-1,0.2,0.05 -o bricks");
+    bench.file("eye.toml", "[camera]\neye = [2.2, -4.4, 1.6]\ntarget = [0, 0, 0]\nfov_y_deg = 34\n");
+    bench.ok("render bricks/piece-2.lapis --camera eye.toml --size 128 -o bricks.png");
+    compare("bricks.png", &bench.read("bricks.png"));
+}
+
+#[test]
 fn false_colours() {
     let bench = filled("--type 2b --direction 0.3,0,1 --core 0,0,-0.3,0,0,0.3");
     bench.ok("cut m.lapis --plane 0.5,-1,0,0 -o pieces");

@@ -25,6 +25,7 @@ pub use depth::{
     DepthError, DepthField, DepthPaint, DepthParams, DepthReport, DepthStroke, PaintedFace, depth_field,
 };
 pub use direction::{DirectionError, DirectionParams, DirectionStroke, direction_field};
+pub(crate) use eigen::eigen;
 pub(crate) use frame::perpendicular;
 pub use frame::{Fields, FrameField};
 pub use gradient::tet_gradients;

@@ -32,8 +32,11 @@ pub struct FillMeasures {
     /// The largest difference at a vertex between a texture coordinate that is given (the depth; `along`,
     /// `across`) and its field.
     pub depth_error: f64,
-    /// The mean factor, either way, by which the columns of J·\[R S T\] are longer or shorter than 1, weighted by volume.
-    pub stretch_mean: f64,
+    /// The singular values of J·\[R S T\], by how much the texture is drawn out or pressed together: the 5th percentile of
+    /// the smallest over the volume, 1 where the fields are followed exactly.
+    pub stretch_p5: f64,
+    /// The 95th percentile of the largest.
+    pub stretch_p95: f64,
     /// Mean gradient of the filled model over that of its solid texture at the same places: below 1 is blur.
     pub sharpness: f64,
     /// Of a coherent fill, the part of the model's volume where one layer is enough.
@@ -55,6 +58,9 @@ pub struct FillMeasures {
     pub particles_cut: Option<f64>,
 }
 
+/// Bins of singular values.
+const STRETCHES: usize = 2_001;
+
 /// Bins of angles, a hundredth of a degree each.
 const BINS: usize = 18_001;
 
@@ -64,7 +70,8 @@ pub(super) struct Fits {
     bins: Vec<f64>,
     weighted: f64,
     weight: f64,
-    stretch: [f64; 2],
+    /// Volumes by the smallest and the largest singular value.
+    stretches: [Vec<f64>; 2],
     inverted: usize,
     edge: f64,
     cut_edge: f64,
@@ -77,7 +84,7 @@ impl Default for Fits {
             bins: vec![0.0; BINS],
             weighted: zero,
             weight: zero,
-            stretch: [zero; 2],
+            stretches: [vec![zero; STRETCHES], vec![zero; STRETCHES]],
             inverted: 0,
             edge: zero,
             cut_edge: zero,
@@ -86,14 +93,30 @@ impl Default for Fits {
 }
 
 impl Fits {
+    /// A percentile of the smallest (0) or the largest (1) singular value; 1 of nothing.
+    fn stretch(&self, which: usize, part: f64) -> f64 {
+        let bins = &self.stretches[which];
+        let goal = part * bins.iter().sum::<f64>();
+        let mut below = 0.0;
+        let at = bins.iter().position(|b| {
+            below += b;
+            below > goal
+        });
+        at.map_or(1.0, |n| ((n as f64 + 0.5) / STRETCHES as f64 * 10.0 - 5.0).exp2())
+    }
+
     pub(super) fn add(&mut self, fit: &Fit) {
         for &(angle, w) in &fit.angles {
             self.bins[((f64::from(angle) * 100.0) as usize).min(BINS - 1)] += w;
             self.weighted += f64::from(angle) * w;
             self.weight += w;
         }
-        for (sum, own) in self.stretch.iter_mut().zip(fit.stretch) {
-            *sum += own;
+        for &(values, w) in &fit.stretches {
+            for (bins, value) in self.stretches.iter_mut().zip(values) {
+                // From a thirty-second to thirty-two, evenly in the logarithm.
+                let at = (f64::from(value).max(1e-9).log2() + 5.0) / 10.0 * STRETCHES as f64;
+                bins[(at.max(0.0) as usize).min(STRETCHES - 1)] += w;
+            }
         }
         self.inverted += fit.inverted;
         self.edge += fit.edge;
@@ -132,7 +155,8 @@ impl FillMeasures {
             uncovered,
             clump_edge_share: if fits.edge > 0.0 { fits.cut_edge / fits.edge } else { 0.0 },
             depth_error,
-            stretch_mean: if fits.stretch[1] > 0.0 { (fits.stretch[0] / fits.stretch[1]).exp() } else { 1.0 },
+            stretch_p5: fits.stretch(0, 0.05),
+            stretch_p95: fits.stretch(1, 0.95),
             sharpness: 1.0,
             regular_share: None,
             frame_seams: None,

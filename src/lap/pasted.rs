@@ -7,7 +7,7 @@ use super::coverage::{Alpha, MaskTable};
 use super::frames::Frame;
 use super::optimise::Given;
 use super::params::FillParams;
-use crate::field::FrameField;
+use crate::field::{FrameField, eigen};
 use crate::mesh::TetMesh;
 use crate::volume::AlphaMask;
 
@@ -62,8 +62,8 @@ pub(super) struct Pasted {
 pub(super) struct Fit {
     /// (angle in degrees, weight) of each column of J·\[R S T\] to its axis.
     pub(super) angles: Vec<(f32, f64)>,
-    /// |ln length| of the columns, weighted, and the sum of the weights.
-    pub(super) stretch: [f64; 2],
+    /// (smallest, largest singular value, weight) of J·\[R S T\].
+    pub(super) stretches: Vec<([f32; 2], f64)>,
     pub(super) inverted: usize,
     /// Area of the clump's boundary inside the model, and the part of it where the mask is above 16/255.
     pub(super) edge: f64,
@@ -76,12 +76,12 @@ impl Fit {
         for (column, axis) in columns.iter().zip(DVec3::AXES) {
             // A column that vanished points nowhere: as wrong as can be.
             let cosine = column.try_normalize().map_or(-1.0, |c| c.dot(axis).clamp(-1.0, 1.0));
-            // A column that vanished is stretched without end: counted as a thousandfold.
-            let stretch = column.length().max(f64::MIN_POSITIVE).ln().abs().min(1000f64.ln());
-            self.stretch[0] += stretch * volume;
-            self.stretch[1] += volume;
             self.angles.push((cosine.acos().to_degrees() as f32, volume));
         }
+        let [x, y, z] = *columns;
+        let square = [x.dot(x), y.dot(y), z.dot(z), x.dot(y), x.dot(z), y.dot(z)];
+        let [(largest, _), _, (smallest, _)] = eigen(square);
+        self.stretches.push(([smallest, largest].map(|s| s.max(0.0).sqrt() as f32), volume));
         let det = columns[0].dot(columns[1].cross(columns[2]));
         self.inverted += usize::from(det <= INVERTED);
     }

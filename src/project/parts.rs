@@ -157,9 +157,9 @@ fn made(
 /// Numbers of which a model's is the sum of its parts' ...
 const SUMS: [&str; 5] = ["tetrahedra", "vertices", "patches", "uncovered", "inverted"];
 /// ... their mean, by tetrahedra ...
-const MEANS: [&str; 4] = ["layers_mean", "angle_mean_deg", "stretch_mean", "sharpness"];
+const MEANS: [&str; 3] = ["layers_mean", "angle_mean_deg", "sharpness"];
 /// ... and the largest of them.
-const LARGEST: [&str; 4] = ["layers_max", "angle_p95_deg", "clump_edge_share", "depth_error"];
+const LARGEST: [&str; 5] = ["layers_max", "angle_p95_deg", "stretch_p95", "clump_edge_share", "depth_error"];
 
 /// The model's numbers from those of its parts.
 fn sum(report: &mut Report, own: &[Report]) {

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
+use lapis::volume::SolidTexture;
 use tempfile::TempDir;
 
 /// A fresh folder that the program runs in.
@@ -211,4 +212,18 @@ pub(crate) fn refused(bench: &Bench, cases: &[(&str, i32, &[&str])]) {
         assert!(start.elapsed() < Duration::from_secs(20), "lapis {arguments} took {:?}", start.elapsed());
         assert_eq!(bench.names(), before, "lapis {arguments} left something behind");
     }
+}
+
+/// Bricks in courses, with their labels: 16 voxels along each side, tiling along all axes.
+pub(crate) fn bricks() -> SolidTexture {
+    const N: usize = 16;
+    let label = |v: usize| {
+        let at = [v % N, v / N % N, v / N / N];
+        let joint = at.iter().any(|c| c % (N / 2) < 2);
+        if joint { 0 } else { 1 + (at[0] * 2 / N + at[1] * 2 / N * 2 + at[2] * 2 / N * 4) as u32 }
+    };
+    let labels: Vec<u32> = (0..N.pow(3)).map(label).collect();
+    let colour = |l: &u32| if *l == 0 { [230, 230, 230, 255] } else { [90 + 15 * *l as u8, 60, 40, 255] };
+    let voxels = labels.iter().map(colour).collect();
+    SolidTexture::new([N as u32; 3], voxels, [true; 3]).unwrap().with_labels(labels).unwrap()
 }

@@ -13,15 +13,18 @@ mod shapes;
 mod sheets;
 
 use std::error::Error;
+use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
+use glam::DVec3;
 use lapis::exec::Exec;
 use lapis::files::write_whole;
-use lapis::mesh::Mesher;
+use lapis::lap::LappedSolid;
+use lapis::mesh::{Mesher, TetLocator};
 use lapis::particles::{
     ClassParams, EditParams, MaskParams, ParticleExemplars, ParticleParams, Recolour, Tiling, make_mask,
     particles, profiles,
@@ -143,6 +146,13 @@ fn make(name: &str, text: &str, out: &Path, table: &mut String) -> Result<(), Bo
         let report = serde_json::to_value(project::run(&project, &folder, &options, &Exec::default())?)?;
         eprintln!("{name}, {way}: {:.1} s {report}", start.elapsed().as_secs_f64());
         table.push_str(&row(name, way, &report)?);
+        let model = LappedSolid::read(&folder.join(format!("{name}.lapis")))?;
+        for (what, axis, ring) in rings(name) {
+            match periods(&model, axis, &ring) {
+                Some(turns) => eprintln!("{name}, {way}: {turns:.6} periods {what}"),
+                None => eprintln!("{name}, {way}: no count {what}, for rows end on the way"),
+            }
+        }
         let read = |name: &str| -> Result<Picture, Box<dyn Error>> {
             square(&Picture::from_png(&fs::read(folder.join(format!("{name}.png")))?)?)
         };
@@ -150,6 +160,40 @@ fn make(name: &str, text: &str, out: &Path, table: &mut String) -> Result<(), Bo
     }
     let rows: Vec<Vec<_>> = pictures.iter().map(|row| row.iter().map(contact::picture).collect()).collect();
     Ok(write_whole(&out.join(format!("{name}.jpg")), &contact::jpeg(&rows, WIDTH)?)?)
+}
+
+/// A closed ring on a shape, what it goes around, and the texture's axis along it.
+type Ring = (&'static str, usize, Vec<DVec3>);
+
+fn rings(name: &str) -> Vec<Ring> {
+    let circle = |at: &dyn Fn(f64, f64) -> DVec3| -> Vec<DVec3> {
+        (0..=1440).map(|n| TAU * f64::from(n) / 1440.0).map(|angle| at(angle.cos(), angle.sin())).collect()
+    };
+    match name {
+        "column" => vec![
+            ("around the skin, low", 0, circle(&|c, s| DVec3::new(29.3 * c, 29.3 * s, 11.0))),
+            ("around the skin, high", 0, circle(&|c, s| DVec3::new(29.3 * c, 29.3 * s, 60.0))),
+            ("half-way in", 0, circle(&|c, s| DVec3::new(17.0 * c, 17.0 * s, 35.0))),
+        ],
+        "torus" => vec![
+            ("along the outer rim", 0, circle(&|c, s| DVec3::new(56.0 * c, 56.0 * s, 0.3))),
+            ("along the inner rim", 0, circle(&|c, s| DVec3::new(24.0 * c, 24.0 * s, 0.3))),
+            ("around the tube", 2, circle(&|c, s| DVec3::new(40.0 + 15.6 * c, 0.2, 15.6 * s))),
+        ],
+        _ => Vec::new(),
+    }
+}
+
+/// By how many periods the texture goes on around a ring that closes; `None` where it steps, or leaves the model.
+fn periods(model: &LappedSolid, axis: usize, ring: &[DVec3]) -> Option<f64> {
+    let locator = TetLocator::new(&model.mesh);
+    let at = |p: &DVec3| -> Option<f64> {
+        let (t, b) = locator.find(*p)?;
+        Some(f64::from(model.seen(t, b.map(|b| b as f32))?.uvw[axis]))
+    };
+    let coordinates: Vec<f64> = ring.iter().map(at).collect::<Option<_>>()?;
+    let steps = coordinates.windows(2).map(|w| w[1] - w[0] - (w[1] - w[0]).round());
+    steps.clone().all(|s| s.abs() < 0.05).then(|| steps.sum())
 }
 
 /// The picture with room above and below.
@@ -163,7 +207,7 @@ fn square(picture: &Picture) -> Result<Picture, Box<dyn Error>> {
     Ok(Picture { width: side, height: side, rgba: (0..side * side).map(pixel).collect() })
 }
 
-const HEADER: &str = "| | | regular | layers | patches | sharpness | particles cut | disagreement, mean and 95 % | angle | stretch |
+const HEADER: &str = "| | | regular | layers | patches | sharpness | particles cut | disagreement, mean and 95 % | angle | stretch, 5 % and 95 % |
 |---|---|---|---|---|---|---|---|---|---|
 ";
 
@@ -178,7 +222,7 @@ fn row(name: &str, way: &str, report: &serde_json::Value) -> Result<String, std:
     let regular = regular.map_or_else(|| "–".to_owned(), |r| format!("{:.2} %", 100.0 * r));
     writeln!(
         line,
-        "| {name} | {way} | {regular} | {} | {} | {} | {} | {}, {} | {}° | {} |",
+        "| {name} | {way} | {regular} | {} | {} | {} | {} | {}, {} | {}° | {}, {} |",
         number("layers_mean", 2),
         number("patches", 0),
         number("sharpness", 3),
@@ -186,7 +230,8 @@ fn row(name: &str, way: &str, report: &serde_json::Value) -> Result<String, std:
         number("disagreement_mean", 3),
         number("disagreement_p95", 3),
         number("angle_mean_deg", 1),
-        number("stretch_mean", 3),
+        number("stretch_p5", 2),
+        number("stretch_p95", 2),
     )?;
     Ok(line)
 }
