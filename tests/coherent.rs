@@ -45,6 +45,25 @@ fn by_itself_where_there_are_particles_and_else_when_asked() {
 }
 
 #[test]
+fn frames_that_fall_together_and_holes_all_over_do_no_harm() {
+    let bench = bench();
+    // The direction is the depth's own along the axis, and coarse tetrahedra leave little that is regular.
+    for (direction, scale) in [("0,0,1", "1"), ("0,1,0", "1"), ("0,0,1", "0.5")] {
+        let fill = format!(
+            "fill t.node --texture bricks.nrrd --type 2a --core 0,0,0 --direction {direction} --scale {scale} --force --json"
+        );
+        let auto = bench.ok(&format!("{fill} -o m.lapis")).json();
+        let asked = bench.ok(&format!("{fill} --coherent true -o m.lapis")).json();
+        for report in [&auto, &asked] {
+            assert_eq!(report["measures"]["uncovered"].as_u64(), Some(0), "{report}");
+        }
+        let regular = asked["measures"]["regular_share"].as_f64().unwrap();
+        assert!(asked["measures"]["particles_cut"].as_f64() < Some(0.01), "{asked}");
+        assert_eq!(auto["measures"]["regular_share"].is_number(), regular >= 0.9, "{regular}");
+    }
+}
+
+#[test]
 fn a_project_says_so_too_and_threads_do_not_count() {
     let bench = bench();
     let project = |fill: &str| {

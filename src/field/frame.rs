@@ -262,7 +262,10 @@ pub(crate) fn turned(from: DVec3, to: DVec3, what: DVec3) -> DVec3 {
 /// The unit vector nearest to `v` that is perpendicular to the unit vector `axis`; any such where `v` is
 /// along it.
 pub(crate) fn perpendicular(v: DVec3, axis: DVec3) -> DVec3 {
-    (v - axis * v.dot(axis)).try_normalize().unwrap_or_else(|| axis.any_orthonormal_vector())
+    let across = v - axis * v.dot(axis);
+    // Of a vector along the axis rounding leaves something that is not across it.
+    let tells = across.length_squared() > 1e-16 * v.length_squared();
+    across.try_normalize().filter(|_| tells).unwrap_or_else(|| axis.any_orthonormal_vector())
 }
 
 /// The largest singular value of a matrix, by power iteration on its normal equations.

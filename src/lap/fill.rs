@@ -15,7 +15,7 @@ use super::kind::TextureType;
 use super::mapped;
 use super::measure::{FillMeasures, Fits, sharpness};
 use super::optimise::Given;
-use super::params::FillParams;
+use super::params::{Coherent, FillParams};
 use super::pasted::{Ground, Pasted, Seed};
 use super::seed::{Apart, spots, turn};
 use super::solid::LappedSolid;
@@ -247,14 +247,21 @@ pub fn fill(
         check(&mesh, kind, fields, params)?;
         let fields = as_coordinates(fields);
         mapped::check(&mesh, given(&fields, kind))?;
+        let texture = followed(texture, kind);
         let mut frames = FrameField::new(&mesh, &fields, kind.given());
         let free = kind.given().map(|given| !given);
+        let wanted = is_wanted(&texture, free, params).map_err(|Unfit(axes)| FillError::NotTiling(axes))?;
         let mut direct = None;
-        if is_wanted(&texture, free, params).map_err(|Unfit(axes)| FillError::NotTiling(axes))? {
-            check_scale(&mesh, &frames, &texture, params)?;
-            let found;
-            (frames, found) = Direct::new(&mesh, frames, given(&fields, kind), params, exec)?;
-            direct = Some(found);
+        if wanted {
+            let found = coherent(&mesh, &frames, given(&fields, kind), &texture, params, exec);
+            match found {
+                Ok((_, found))
+                    if params.coherent == Coherent::Auto && found.regular_share(&mesh) < REGULAR => {}
+                Ok((agreeing, found)) => (frames, direct) = (agreeing, Some(found)),
+                Err(error @ FillError::Cancelled(_)) => return Err(error),
+                Err(error) if params.coherent == Coherent::True => return Err(error),
+                Err(_) => {}
+            }
         }
         let masks: Vec<AlphaMask> = match kind.given() {
             [true, _, true] => AlphaMask::new([1; 3], vec![255]).into_iter().collect(),
@@ -299,7 +306,6 @@ pub fn fill(
         let stacks = stack(&mesh, &masks, &tables, &lapped.pasted, exec)?;
         let frame = frames.at_vertices(&mesh);
         drop(texture);
-        let exemplars = exemplars.into_iter().map(|texture| followed(texture, kind)).collect();
         let stock = Stock { masks, exemplars, choices };
         let regular = direct.as_ref().map(|d| d.regular_share(&mesh));
         let (solid, hidden) = assemble(mesh, fields.clone(), frame, stock, &lapped.pasted, &stacks);
@@ -318,6 +324,25 @@ pub fn fill(
         };
         Ok((solid, report))
     })
+}
+
+/// By itself a fill is coherent only where this part of the model can have one layer: too much is left out of others.
+const REGULAR: f64 = 0.9;
+
+/// Frames that agree, and the coordinates that follow them.
+fn coherent(
+    mesh: &TetMesh,
+    frames: &FrameField,
+    given: Given<'_>,
+    texture: &SolidTexture,
+    params: &FillParams,
+    exec: &Exec,
+) -> Result<(FrameField, Direct), FillError> {
+    check_scale(mesh, frames, texture, params)?;
+    let (frames, direct) = Direct::new(mesh, frames.clone(), given, params, exec)?;
+    // Rows that keep their number have other lengths.
+    check_scale(mesh, &frames, texture, params)?;
+    Ok((frames, direct))
 }
 
 /// The texture without wrapping along the axes that follow a field: at either end of the field the outermost voxels
@@ -427,7 +452,7 @@ pub(super) struct Lapped {
     pub(super) pasted: Vec<Pasted>,
     /// Masks of single patches, numbered after the shared ones.
     pub(super) own: Vec<AlphaMask>,
-    fit: Fits,
+    pub(super) fit: Fits,
     rounds: usize,
     uncovered: usize,
 }

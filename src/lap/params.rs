@@ -13,7 +13,7 @@ pub enum Coherent {
     Auto,
     /// Yes.
     True,
-    /// No: each patch puts the texture's middle at its own seed, as in \[LST 5.2\].
+    /// No: each patch puts the texture's middle at its own seed, as the paper does.
     False,
 }
 

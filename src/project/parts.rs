@@ -159,7 +159,15 @@ const SUMS: [&str; 5] = ["tetrahedra", "vertices", "patches", "uncovered", "inve
 /// ... their mean, by tetrahedra ...
 const MEANS: [&str; 3] = ["layers_mean", "angle_mean_deg", "sharpness"];
 /// ... and the largest of them.
-const LARGEST: [&str; 5] = ["layers_max", "angle_p95_deg", "stretch_p95", "clump_edge_share", "depth_error"];
+const LARGEST: [&str; 7] = [
+    "layers_max",
+    "angle_p95_deg",
+    "stretch_p95",
+    "clump_edge_share",
+    "depth_error",
+    "disagreement_p95",
+    "particles_cut",
+];
 
 /// The model's numbers from those of its parts.
 fn sum(report: &mut Report, own: &[Report]) {

@@ -19,13 +19,13 @@ use crate::solve::{Entry, SpdFactor, nested_dissection};
 const EVEN: f64 = 0.01;
 /// How often what is left of the curl is mended.
 const ROUNDS: usize = 3;
-/// What holds fitted linear functions flat, beside how far apart their places are.
+/// What holds fitted linear functions flat, beside how far from the vertex their places are.
 const RIDGE: f64 = 1e-3;
 /// A factor stays between this and its inverse.
 const MOST: f64 = 4.0;
 
-/// The frames with lengths along the `free` axes that let rows keep their number, as far as that goes; their mean over
-/// the model stays.
+/// The frames with lengths along the `free` axes that let rows keep their number, as far as that goes; about the same in
+/// the mean over the model.
 pub(crate) fn level(
     mesh: &TetMesh,
     mut frames: FrameField,
@@ -76,7 +76,7 @@ fn factors(mesh: &TetMesh, frames: &FrameField, axis: usize) -> Result<Vec<f64>,
         for (t, g) in g.iter().enumerate() {
             let (tet, gradients, volume) = (mesh.tets[t], mesh.gradients(t), mesh.tet_volume(t));
             let curl: DVec3 = (0..4).map(|k| gradients[k].cross(smooth[tet[k] as usize])).sum();
-            let wanted = -g.cross(curl) / g.length_squared();
+            let wanted = -g.cross(curl) / g.length_squared().max(f64::MIN_POSITIVE);
             for a in 0..4 {
                 rhs[tet[a] as usize] += volume * gradients[a].dot(wanted);
             }
@@ -125,15 +125,15 @@ fn at_vertices(mesh: &TetMesh, values: &[DVec3]) -> Vec<DVec3> {
             let (place, value) = (s.place / s.weight, s.value / s.weight);
             let spread = s.places * s.weight.recip() - outer(place, place);
             let slope = s.values * s.weight.recip() - outer(value, place);
-            // Never singular, and flat where nothing tells the slope.
-            let least = RIDGE * (spread.x_axis.x + spread.y_axis.y + spread.z_axis.z) + f64::MIN_POSITIVE;
-            value - slope * (spread + DMat3::IDENTITY * least).inverse() * place
+            // Flat where nothing tells the slope, as around a vertex of one tetrahedron.
+            let size = (s.places.x_axis.x + s.places.y_axis.y + s.places.z_axis.z) / s.weight;
+            value - slope * (spread + DMat3::IDENTITY * (RIDGE * size)).inverse() * place
         })
         .collect()
 }
 
 /// What is across a covector, and a little of what is along it.
 fn across(g: DVec3) -> DMat3 {
-    let n = g.normalize();
+    let n = g.normalize_or_zero();
     DMat3::IDENTITY * (1.0 + EVEN) - DMat3::from_cols(n * n.x, n * n.y, n * n.z)
 }

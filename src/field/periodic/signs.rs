@@ -27,6 +27,8 @@ pub(crate) fn agreed(mesh: &TetMesh, r: &mut [DVec3]) -> Vec<(u32, u8)> {
         }
         sign[first] = 1.0;
         let mut at = first;
+        let mut part = vec![first];
+        let mut kept = mesh.tet_volume(first);
         loop {
             for &n in mesh.neighbours[at].iter().filter(|&&n| n != NONE && sign[n as usize] == 0.0) {
                 let cosine = r[at].dot(r[n as usize]);
@@ -43,6 +45,8 @@ pub(crate) fn agreed(mesh: &TetMesh, r: &mut [DVec3]) -> Vec<(u32, u8)> {
                 match next.pop() {
                     Some((_, Reverse(n), turned)) if sign[n as usize] == 0.0 => {
                         sign[n as usize] = if turned { -1.0 } else { 1.0 };
+                        part.push(n as usize);
+                        kept += mesh.tet_volume(n as usize) * sign[n as usize];
                         break Some(n as usize);
                     }
                     Some(_) => {}
@@ -53,6 +57,10 @@ pub(crate) fn agreed(mesh: &TetMesh, r: &mut [DVec3]) -> Vec<(u32, u8)> {
                 Some(n) => at = n,
                 None => break,
             }
+        }
+        // The sense of most is kept.
+        if kept < 0.0 {
+            part.into_iter().for_each(|t| sign[t] = -sign[t]);
         }
     }
     for (r, sign) in r.iter_mut().zip(sign) {

@@ -21,6 +21,8 @@ pub(in crate::lap) struct Direct {
     uvw: Vec<[DVec3; 4]>,
     /// Where they are linear functions that follow the frames.
     regular: Vec<bool>,
+    /// The frames as the fields ask for them, but for signs: rows that keep their number have others.
+    pub(in crate::lap) asked: FrameField,
     /// Which coordinates are solved for.
     free: [bool; 3],
     /// Faces at which frames contradict each other, from either side: (tetrahedron, local face).
@@ -39,6 +41,7 @@ impl Direct {
         let seams = if frames.r.is_empty() { Vec::new() } else { agreed(mesh, &mut frames.r) };
         frames = completed(mesh, frames, exec)?;
         let free = given.map(|field| field.is_none());
+        let asked = frames.clone();
         if params.rows == Rows::Keep {
             frames = level(mesh, frames, free, exec)?;
         }
@@ -63,7 +66,7 @@ impl Direct {
             *regular = det > UPRIGHT * lengths.iter().product::<f64>()
                 && (0..3).all(|n| !free[n] || lengths[n] < STRETCH && lengths[n] * STRETCH > 1.0);
         }
-        Ok((frames, Self { uvw, regular, free, seams }))
+        Ok((frames, Self { uvw, regular, asked, free, seams }))
     }
 
     /// The coordinates at the corners of tetrahedron `t`, if it is regular.

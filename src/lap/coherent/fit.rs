@@ -53,10 +53,11 @@ pub(super) struct Taken {
 /// A patch as texture space sees it.
 pub(super) struct Sheet<'a> {
     patch: &'a Pasted,
-    slots: HashMap<u32, usize>,
     /// Of each tetrahedron the place of corner 0, and the matrix that takes a place beside it to the other barycentric
     /// coordinates.
     inverse: Vec<(DVec3, DMat3)>,
+    /// Of each tetrahedron those across its faces, where the patch goes on there without a slit.
+    beside: Vec<[Option<usize>; 4]>,
 }
 
 /// A particle that is to be put into a hole: made smaller about its middle.
@@ -82,9 +83,13 @@ pub(super) fn fitting(
     let mut found = Vec::new();
     for patch in patches {
         exec.check()?;
-        let sheet = Sheet::new(patch);
+        let sheet = Sheet::new(holes.mesh, patch);
         // Those that fit by themselves are found side by side; one after the other they then keep clear of each other.
+        let core =
+            DVec3::select(glam::BVec3::from_array(holes.direct.free()), DVec3::splat(SIZES[3]), DVec3::ONE);
         let first = |c: &Candidate| {
+            // What lies in all sizes must have room first.
+            holes.has_room(&sheet, Candidate { size: core, ..*c })?;
             (0..sizes.len()).find(|&n| holes.has_room(&sheet, Candidate { size: sizes[n], ..*c }).is_some())
         };
         let candidates: Vec<(Candidate, usize)> =
@@ -133,33 +138,35 @@ impl Candidate {
 }
 
 impl<'a> Sheet<'a> {
-    pub(super) fn new(patch: &'a Pasted) -> Self {
-        let slots = patch.tets.iter().enumerate().map(|(slot, t)| (*t, slot)).collect();
+    pub(super) fn new(mesh: &TetMesh, patch: &'a Pasted) -> Self {
+        let slots: HashMap<u32, usize> = patch.tets.iter().enumerate().map(|(slot, t)| (*t, slot)).collect();
+        let beside = (0..patch.tets.len())
+            .map(|slot| {
+                std::array::from_fn(|k| {
+                    let t = patch.tets[slot] as usize;
+                    let n = mesh.neighbours[t][k];
+                    let other = *slots.get(&n)?;
+                    let joined = TET_FACES[k].iter().all(|&i| {
+                        let j = mesh.tets[n as usize].iter().position(|w| *w == mesh.tets[t][i]);
+                        j.is_some_and(|j| patch.uvw[other][j] == patch.uvw[slot][i])
+                    });
+                    joined.then_some(other)
+                })
+            })
+            .collect();
         let inverse = (0..patch.tets.len())
             .map(|slot| {
                 let [a, b, c, d] = coordinates(patch, slot);
                 (a, DMat3::from_cols(b - a, c - a, d - a).inverse())
             })
             .collect();
-        Self { patch, slots, inverse }
+        Self { patch, inverse, beside }
     }
 
     fn barycentric(&self, slot: usize, place: DVec3) -> [f64; 4] {
         let (origin, inverse) = self.inverse[slot];
         let b = inverse * (place - origin);
         [1.0 - b.x - b.y - b.z, b.x, b.y, b.z]
-    }
-
-    /// The tetrahedron across a face, if the patch goes on there without a slit.
-    fn beside(&self, mesh: &TetMesh, slot: usize, k: usize) -> Option<usize> {
-        let t = self.patch.tets[slot] as usize;
-        let n = mesh.neighbours[t][k];
-        let other = *self.slots.get(&n)?;
-        let joined = TET_FACES[k].iter().all(|&i| {
-            let j = mesh.tets[n as usize].iter().position(|w| *w == mesh.tets[t][i]);
-            j.is_some_and(|j| self.patch.uvw[other][j] == self.patch.uvw[slot][i])
-        });
-        joined.then_some(other)
     }
 
     /// Goes from a tetrahedron to the one in which a place of texture space lies. `Ok(None)` where the way leads out of
@@ -182,7 +189,7 @@ impl<'a> Sheet<'a> {
             if mesh.neighbours[self.patch.tets[slot] as usize][k] == NONE {
                 return Ok(None);
             }
-            slot = self.beside(mesh, slot, k).ok_or(())?;
+            slot = self.beside[slot][k].ok_or(())?;
         }
         Err(())
     }
@@ -250,7 +257,7 @@ impl Holes<'_> {
         // Corners of tetrahedra may reach in between the points.
         for n in 0..slots.len() {
             for k in 0..4 {
-                if let Some(other) = sheet.beside(self.mesh, slots[n], k)
+                if let Some(other) = sheet.beside[slots[n]][k]
                     && !slots.contains(&other)
                     && of.comes_near(&of.coordinates(sheet.patch, other))
                 {

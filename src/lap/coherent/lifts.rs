@@ -48,7 +48,8 @@ pub(super) struct Form {
 const POINTS: usize = 3000;
 
 impl<'a> Lifts<'a> {
-    pub(super) fn new(texture: &SolidTexture, labels: &'a [u32]) -> Self {
+    /// `None` where a particle goes all around the texture and meets itself: it has no copies that end.
+    pub(super) fn new(texture: &SolidTexture, labels: &'a [u32]) -> Option<Self> {
         let size = texture.size().map(|n| n as usize);
         let tiles = texture.tiles();
         let mut cells = vec![[i8::MIN; 3]; labels.len()];
@@ -61,18 +62,19 @@ impl<'a> Lifts<'a> {
             queue.push_back(first);
             while let Some(v) = queue.pop_front() {
                 for (n, next) in around(v, size, tiles).into_iter().enumerate() {
-                    let Some(next) = next.filter(|&n| labels[n] == labels[v] && cells[n][0] == i8::MIN)
-                    else {
-                        continue;
-                    };
+                    let Some(next) = next.filter(|&n| labels[n] == labels[v]) else { continue };
                     let mut cell = cells[v];
                     // Over the end, or over the beginning: axis and sense are in the order of `around`.
                     let wraps = if n % 2 == 0 { next < v } else { next > v };
                     if wraps {
                         cell[n / 2] = cell[n / 2].saturating_add(if n % 2 == 0 { 1 } else { -1 });
                     }
-                    cells[next] = cell;
-                    queue.push_back(next);
+                    if cells[next][0] == i8::MIN {
+                        cells[next] = cell;
+                        queue.push_back(next);
+                    } else if cells[next] != cell {
+                        return None;
+                    }
                 }
             }
         }
@@ -93,12 +95,17 @@ impl<'a> Lifts<'a> {
             let stride = (1..).map(|n| count * 8 / 13 + n).find(|n| coprime(*n, count)).unwrap_or(1);
             form.points = (0..count.min(POINTS)).map(|n| all[n * stride % count]).collect();
         }
-        Self { size, tiles, labels, cells, forms }
+        Some(Self { size, tiles, labels, cells, forms })
     }
 
     /// The form of a particle, but for the periods of its cell.
     pub(super) fn form(&self, particle: Particle) -> Option<&Form> {
         self.forms.get(&particle.label)
+    }
+
+    /// The labels of all voxels.
+    pub(super) fn labels(&self) -> &'a [u32] {
+        self.labels
     }
 
     /// Voxels along the axes.
@@ -141,7 +148,10 @@ mod tests {
         let row = [1, 1, 0, 2, 2, 0, 1, 1];
         let labels: Vec<u32> = (0..32).map(|v| row[v % 8]).collect();
         let texture = SolidTexture::new([8, 2, 2], vec![[9; 4]; 32], [true, false, true]).unwrap();
-        let lifts = Lifts::new(&texture, &labels);
+        // Along z it closes on itself.
+        assert!(Lifts::new(&texture, &labels).is_none());
+        let texture = texture.with_tiles([true, false, false]);
+        let lifts = Lifts::new(&texture, &labels).unwrap();
         let at = |x: f64, z: f64| lifts.at(DVec3::new((x + 0.5) / 8.0, 0.3, z));
         assert_eq!(at(6.0, 0.2), at(9.0, 0.2));
         assert_eq!(at(-2.0, 0.2), at(1.0, 0.2));
@@ -158,7 +168,5 @@ mod tests {
             form.middle
         );
         assert_eq!(form.points.len(), 16);
-        // Along z it percolates: copies cannot be told apart where it closes on itself, but labels can.
-        assert_eq!(at(3.0, 1.2).unwrap().label, 2);
     }
 }

@@ -17,6 +17,7 @@ mod structure;
 mod whole;
 
 pub(super) use direct::Direct;
+use lifts::Lifts;
 pub(super) use structure::{Unfit, is_wanted};
 pub(super) use whole::Layered;
 
@@ -36,8 +37,9 @@ pub(super) fn layered(
     exec: &Exec,
 ) -> Result<Layered, Cancelled> {
     let _stage = exec.stage("whole particles", 0);
-    match texture.labels().filter(|labels| matrix::has_matrix(labels)) {
-        Some(labels) => whole::layered(ground, direct, texture, labels, lapped, everywhere, exec),
+    let labels = texture.labels().filter(|labels| matrix::has_matrix(labels));
+    match labels.and_then(|labels| Lifts::new(texture, labels)) {
+        Some(lifts) => whole::layered(ground, direct, texture, &lifts, lapped, everywhere, exec),
         None => Ok(regular::layered(ground, direct, texture, lapped, everywhere)),
     }
 }

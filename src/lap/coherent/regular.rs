@@ -6,7 +6,7 @@ use super::direct::Direct;
 use super::seam::seam;
 use super::whole::{Layered, base};
 use crate::lap::fill::Lapped;
-use crate::lap::pasted::Ground;
+use crate::lap::pasted::{Fit, Ground, Pasted};
 use crate::mesh::index;
 use crate::volume::{AlphaMask, SolidTexture};
 
@@ -18,8 +18,11 @@ pub(super) fn layered(
     lapped: &mut Lapped,
     everywhere: u32,
 ) -> Layered {
-    let regular = (0..index(ground.mesh.tets.len())).filter(|&t| direct.regular(t as usize).is_some());
-    let mut pasted = vec![base(ground, direct, regular.collect(), everywhere)];
+    let (regular, others): (Vec<u32>, Vec<u32>) =
+        (0..index(ground.mesh.tets.len())).partition(|&t| direct.regular(t as usize).is_some());
+    // Below the patches nothing is bare, should their masks leave a gap.
+    let under = Pasted { fit: Fit::default(), ..base(ground, direct, others, everywhere) };
+    let mut pasted = vec![base(ground, direct, regular, everywhere), under];
     let patches = std::mem::take(&mut lapped.pasted);
     let seams: Vec<Option<AlphaMask>> = (patches.par_iter())
         .map(|patch| {

@@ -37,7 +37,7 @@ pub(super) fn seam(
     patch: &Pasted,
     mask: &AlphaMask,
 ) -> Option<AlphaMask> {
-    let sheet = Sheet::new(patch);
+    let sheet = Sheet::new(mesh, patch);
     let shift = DVec3::from_array(patch.shift.map(f64::from));
     let mut slot = 0;
     let voxels: Vec<Voxel> = (0..SIZE.pow(3))

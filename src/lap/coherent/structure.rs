@@ -39,25 +39,23 @@ fn has_particles(texture: &SolidTexture) -> bool {
 /// Whether the texture repeats itself along a free axis within its period, as rows of bricks do: shifted, it is first
 /// unlike itself and then like itself again.
 fn has_rows(texture: &SolidTexture, free: [bool; 3]) -> bool {
-    let size = texture.size().map(|n| n as usize);
-    let luma = |v: &[u8; 4]| f64::from(v[0]) * 0.3 + f64::from(v[1]) * 0.59 + f64::from(v[2]) * 0.11;
-    let values: Vec<f64> = texture.voxels().iter().map(luma).collect();
+    let (size, values) = coarse(texture);
     // What does not change along any free axis, as layers of depth, is no structure of theirs.
     let strides = [1, size[0], size[0] * size[1]];
     let place = |v: usize| -> usize {
         let at = [v % size[0], v / size[0] % size[1], v / size[0] / size[1]];
         (0..3).filter(|&n| !free[n]).map(|n| at[n] * strides[n]).sum()
     };
-    let mut layers = std::collections::HashMap::new();
+    let mut layers = vec![(0.0, 0usize); values.len()];
     for (v, value) in values.iter().enumerate() {
-        let layer = layers.entry(place(v)).or_insert((0.0, 0usize));
+        let layer = &mut layers[place(v)];
         layer.0 += value;
         layer.1 += 1;
     }
     let rest: Vec<f64> = values
         .iter()
         .enumerate()
-        .map(|(v, value)| value - layers[&place(v)].0 / layers[&place(v)].1 as f64)
+        .map(|(v, value)| value - layers[place(v)].0 / layers[place(v)].1 as f64)
         .collect();
     let power: f64 = rest.iter().map(|r| r * r).sum();
     if power <= 0.0 {
@@ -77,6 +75,24 @@ fn has_rows(texture: &SolidTexture, free: [bool; 3]) -> bool {
             sum / power - least > ROWS
         })
     })
+}
+
+/// The most cells along a side in which rows are looked for.
+const COARSE: usize = 48;
+
+/// The texture's lightness as means over cells: their number along the axes, and each one's.
+fn coarse(texture: &SolidTexture) -> ([usize; 3], Vec<f64>) {
+    let fine = texture.size().map(|n| n as usize);
+    let size = fine.map(|n| n.min(COARSE));
+    let mut cells = vec![(0.0, 0usize); size.iter().product()];
+    for (v, [r, g, b, _]) in texture.voxels().iter().enumerate() {
+        let at = [v % fine[0], v / fine[0] % fine[1], v / fine[0] / fine[1]];
+        let [x, y, z] = [0, 1, 2].map(|n| at[n] * size[n] / fine[n]);
+        let cell = &mut cells[(z * size[1] + y) * size[0] + x];
+        cell.0 += f64::from(*r) * 0.3 + f64::from(*g) * 0.59 + f64::from(*b) * 0.11;
+        cell.1 += 1;
+    }
+    (size, cells.into_iter().map(|(sum, count)| sum / count as f64).collect())
 }
 
 #[cfg(test)]

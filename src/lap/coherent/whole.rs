@@ -16,6 +16,7 @@ use super::matrix::matrix;
 use crate::exec::{Cancelled, Exec};
 use crate::lap::fill::Lapped;
 use crate::lap::frames::PatchFrames;
+use crate::lap::measure::Fits;
 use crate::lap::pasted::{Fit, Ground, Pasted, columns};
 use crate::mesh::{NONE, TET_FACES, TetMesh, index};
 use crate::volume::{AlphaMask, Choice, SolidTexture};
@@ -37,7 +38,7 @@ pub(in crate::lap) struct Layered {
 
 /// A patch of the model's own coordinates over some tetrahedra.
 pub(super) fn base(ground: &Ground<'_>, direct: &Direct, tets: Vec<u32>, everywhere: u32) -> Pasted {
-    let frames = PatchFrames::new(ground.frames, 0, glam::DQuat::IDENTITY);
+    let frames = PatchFrames::new(&direct.asked, 0, glam::DQuat::IDENTITY);
     let mut fit = Fit::default();
     let mut uvw = Vec::with_capacity(tets.len());
     for &t in &tets {
@@ -67,21 +68,19 @@ pub(super) fn near(uvw: [DVec3; 4]) -> [[f32; 3]; 4] {
 /// Particles by tetrahedron, as its own coordinates see them.
 pub(super) type ByTet = BTreeMap<u32, BTreeSet<Particle>>;
 
-/// The layers of a texture whose particles are `labels`.
+/// The layers of a texture whose particles `lifts` tells apart.
 pub(super) fn layered(
     ground: &Ground<'_>,
     direct: &Direct,
     texture: &SolidTexture,
-    labels: &[u32],
+    lifts: &Lifts<'_>,
     lapped: &mut Lapped,
     everywhere: u32,
     exec: &Exec,
 ) -> Result<Layered, Cancelled> {
     let mesh = ground.mesh;
     let count = index(mesh.tets.len());
-    let lifts = Lifts::new(texture, labels);
-    exec.check()?;
-    let broken = broken(mesh, direct, &lifts, exec)?;
+    let broken = broken(mesh, direct, lifts, exec)?;
     let mut choices = Choices::default();
     let mut pasted = Vec::new();
     let whole = |t: &u32| direct.regular(*t as usize).is_some() && !broken.contains_key(t);
@@ -92,6 +91,8 @@ pub(super) fn layered(
     }
     // The ground of the holes: matrix, at coordinates of some patch where the model has none.
     let patches = std::mem::take(&mut lapped.pasted);
+    // What of them is seen is single particles.
+    lapped.fit = Fits::default();
     let mut under = base(ground, direct, holes.clone(), everywhere);
     (under.exemplar, under.fit) = (MATRIX, Fit::default());
     let mut first: HashMap<u32, [DVec3; 4]> = HashMap::new();
@@ -118,11 +119,16 @@ pub(super) fn layered(
         let choice = choices.number(Choice::Without(without));
         pasted.push(Pasted { choice, ..base(ground, direct, tets, everywhere) });
     }
-    let mut holes = Holes { mesh, direct, lifts: &lifts, broken: &broken, taken: HashMap::new() };
+    let mut holes = Holes { mesh, direct, lifts, broken: &broken, taken: HashMap::new() };
     for (label, pasted_one) in fitting(&mut holes, &patches, everywhere, exec)? {
         pasted.push(Pasted { choice: choices.number(Choice::Only(vec![label])), ..pasted_one });
     }
-    Ok(Layered { pasted, masks: Vec::new(), choices: choices.list, matrix: Some(matrix(texture, labels)) })
+    Ok(Layered {
+        pasted,
+        masks: Vec::new(),
+        choices: choices.list,
+        matrix: Some(matrix(texture, lifts.labels())),
+    })
 }
 
 /// Choices, each once.
