@@ -66,7 +66,7 @@ fn bricks_around_a_bend_need_one_layer_and_stay_whole() {
     assert_eq!((m.particles_cut, m.disagreement_p95, m.frame_seams), (Some(0.0), Some(0.0), Some(0)));
     assert_eq!((m.uncovered, m.inverted), (0, 0));
     assert!(
-        m.sharpness >= 0.95 && m.stretch_p5 > 0.8 && m.stretch_p95 < 1.25 && m.angle_mean_deg < 6.0,
+        m.sharpness >= 0.95 && m.stretch_p5 > 0.55 && m.stretch_p95 < 1.8 && m.angle_mean_deg < 6.0,
         "{m:?}"
     );
     // Rows keep their number: along the inner and the outer rim the texture goes on by about as much.
