@@ -78,11 +78,11 @@ pub(crate) const MODELS: [Model; 7] = [
     Model {
         name: "tube",
         title: "Tube",
-        text: "Fibres that follow a bent tube: strokes along it set the direction, and about that direction each copy \
-               of the texture is turned at random. Look at the same fibres cut across and cut along. Outside, copies \
-               end bluntly against each other: bundles of fibres break off in rectangles. The last picture looks through the \
-               tube: its pale pith is made nearly clear, the dark fibres are left.",
-        weak: "outside, bundles of fibres break off in rectangles, the borders of the patches; in the translucent picture they end as bluntly.",
+        text: "Fibres that follow a bent tube: strokes along it set the direction. Copies of the texture agree, so that \
+               bundles go on from one end to the other, whole in every section. Look at the same fibres cut across and \
+               cut along. The last picture looks through the tube: its pale pith is made nearly clear, the dark fibres \
+               are left.",
+        weak: "fibres bend in corners, as the few tetrahedra do; they are soft from near.",
         paper: Some(Paper { tetrahedra: 1089, design_s: 27.0, fill_s: 18.0, cut_ms: 31.0, megabytes: 2.7 }),
     },
     Model {
