@@ -6,7 +6,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::coverage::MaskTable;
-use super::fill::FillError;
+use super::fill_error::FillError;
 use super::hide::{Layer, visible};
 use super::pasted::Pasted;
 use super::solid::{LappedSolid, Patch};

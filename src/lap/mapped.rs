@@ -3,7 +3,7 @@
 
 use glam::{DQuat, DVec3};
 
-use super::fill::FillError;
+use super::fill_error::FillError;
 use super::frames::PatchFrames;
 use super::optimise::Given;
 use super::pasted::{Fit, Ground, Pasted, columns};

@@ -5,7 +5,6 @@
 //! across g by −g × curl g / |g|²; along g it is free, and as even as can be.
 
 use glam::{DMat3, DVec3};
-
 use rayon::prelude::*;
 
 use super::PeriodicError;

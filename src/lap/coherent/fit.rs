@@ -7,10 +7,10 @@ use rayon::prelude::*;
 
 use super::direct::Direct;
 use super::lifts::{Lifts, Particle};
-use super::whole::{ByTet, coordinates, near};
+use super::whole::{ByTet, coordinates, layer, near};
 use crate::exec::{Cancelled, Exec};
 use crate::lap::coverage::{LATTICE, ORDER};
-use crate::lap::pasted::{Fit, Pasted};
+use crate::lap::pasted::Pasted;
 use crate::mesh::{NONE, TET_FACES, TetMesh};
 
 /// By how much particles are made smaller along an axis to fit a hole: as a mason cuts bricks to size.
@@ -106,17 +106,7 @@ pub(super) fn fitting(
                 let Candidate { particle, middle, reach, .. } = candidate;
                 holes.taken.entry(*t).or_default().push(Taken { particle, uvw: *uvw, middle, reach });
             }
-            let pasted = Pasted {
-                exemplar: 0,
-                mask: everywhere,
-                choice: NONE,
-                shift: [0.0; 3],
-                own: None,
-                tets,
-                uvw: uvw.into_iter().map(near).collect(),
-                alpha: Vec::new(),
-                fit: Fit::default(),
-            };
+            let pasted = layer(tets, uvw.into_iter().map(near).collect(), everywhere);
             found.push((candidate.particle.label, pasted));
         }
     }

@@ -47,6 +47,11 @@ pub(super) fn base(ground: &Ground<'_>, direct: &Direct, tets: Vec<u32>, everywh
         fit.add(&columns(&frames.frame(t), &ground.mesh.gradients(t), &own), ground.mesh.tet_volume(t));
         uvw.push(near(own));
     }
+    Pasted { fit, ..layer(tets, uvw, everywhere) }
+}
+
+/// A patch that is opaque everywhere, over some tetrahedra.
+pub(super) fn layer(tets: Vec<u32>, uvw: Vec<[[f32; 3]; 4]>, everywhere: u32) -> Pasted {
     Pasted {
         exemplar: 0,
         mask: everywhere,
@@ -56,7 +61,7 @@ pub(super) fn base(ground: &Ground<'_>, direct: &Direct, tets: Vec<u32>, everywh
         tets,
         uvw,
         alpha: Vec::new(),
-        fit,
+        fit: Fit::default(),
     }
 }
 
