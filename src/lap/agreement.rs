@@ -13,6 +13,8 @@ use crate::volume::SolidTexture;
 const PLACES: usize = 40_000;
 /// Of two layers the fainter one counts from this weight on.
 const VISIBLE: f32 = 0.02;
+/// Places at which it is looked how much of a model is particles.
+const ANYWHERE: usize = 20_000;
 /// Coordinates so near, in periods, belong to one particle.
 const SAME: f64 = 0.1;
 
@@ -72,11 +74,41 @@ pub(super) fn agreement(
         let steps = found.iter().filter_map(|f| f.1);
         let (cut, all) = steps.fold((0u32, 0u32), |(cut, all), broken| (cut + u32::from(broken), all + 1));
         measures.particles_cut = Some(f64::from(cut) / f64::from(all.max(1)));
+        measures.particles_kept = Some(kept(solid, texture, free, seed));
     }
     Ok(())
 }
 
-/// How far the two layers of one texture that show most are apart, modulo whole periods.
+/// How much of the volume particles take, over what they take of the texture: at the same places along the axes that are
+/// given, anywhere along the free ones.
+fn kept(solid: &LappedSolid, texture: &SolidTexture, free: [bool; 3], seed: u64) -> f64 {
+    let mesh = &solid.mesh;
+    let mut total = 0.0;
+    let cumulative: Vec<f64> = (0..mesh.tets.len())
+        .map(|t| {
+            total += mesh.tet_volume(t);
+            total
+        })
+        .collect();
+    let is_particle = |label: Option<u32>| u32::from(label.is_some_and(|l| l != 0));
+    let counts = (0..ANYWHERE).into_par_iter().map(|n| {
+        let mut uniform = numbers(seed ^ 0x6B65_7074_0BAD_CAFE, n);
+        let target = uniform() * total;
+        let t = cumulative.partition_point(|&c| c < target).min(mesh.tets.len() - 1);
+        let at = anywhere_inside(&mut uniform).map(|a| a as f32);
+        let Some(seen) = solid.seen(t, at) else { return [0, 0] };
+        let place = std::array::from_fn(|axis| {
+            let anywhere = uniform() as f32;
+            if free[axis] { anywhere } else { seen.uvw[axis] }
+        });
+        [is_particle(seen.label), is_particle(texture.label_at(place))]
+    });
+    let [seen, there] = counts.reduce(|| [0, 0], |a, b| [a[0] + b[0], a[1] + b[1]]);
+    f64::from(seen) / f64::from(there.max(1))
+}
+
+/// How far the two layers of one texture that show most are apart, modulo whole periods. A layer that takes particles shows
+/// where the nearest voxel is one of them, or not at all: the blending over a voxel is the texture's own.
 fn apart(solid: &LappedSolid, t: usize, at: [f64; 4]) -> Option<DVec3> {
     let at = at.map(|a| a as f32);
     let mut shown: Vec<(u32, DVec3)> = Vec::new();
@@ -84,8 +116,13 @@ fn apart(solid: &LappedSolid, t: usize, at: [f64; 4]) -> Option<DVec3> {
     for layer in solid.layers(t).rev() {
         let uvw = interpolate(&solid.layer_uvw[layer], at);
         let number = solid.layer_patch[layer];
-        let m = solid.opacity(number, uvw);
         let patch = solid.patches[number as usize];
+        let m = solid.masks[patch.mask as usize].sample(uvw);
+        let taken = solid.choices.get(patch.choice as usize).is_none_or(|choice| {
+            let label = solid.exemplars[patch.exemplar as usize].label_at(patch.texture_at(uvw));
+            choice.takes(label.unwrap_or(0))
+        });
+        let m = if taken { m } else { 0.0 };
         if clear * m > VISIBLE {
             shown.push((patch.exemplar, DVec3::from_array(patch.texture_at(uvw).map(f64::from))));
         }

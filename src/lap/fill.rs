@@ -112,7 +112,7 @@ pub fn fill(
             }
         }
         let masks: Vec<AlphaMask> = match kind.given() {
-            [true, _, true] => AlphaMask::new([1; 3], vec![255]).into_iter().collect(),
+            [true, _, true] => vec![AlphaMask::cube()],
             [true, _, false] => vec![AlphaMask::slab(&params.mask, seed)],
             [false, true, _] => AlphaMask::depth_varying(&params.mask, seed).into(),
             [false, false, _] => vec![AlphaMask::splotch(&params.mask, seed)],

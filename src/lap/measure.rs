@@ -56,6 +56,10 @@ pub struct FillMeasures {
     /// off.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub particles_cut: Option<f64>,
+    /// Of a texture with particles, how much of the model's volume they take, over what they take of the texture: below 1
+    /// where particles are left out, and nothing fits in their place.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub particles_kept: Option<f64>,
 }
 
 /// Bins of singular values.
@@ -163,6 +167,7 @@ impl FillMeasures {
             disagreement_mean: None,
             disagreement_p95: None,
             particles_cut: None,
+            particles_kept: None,
         }
     }
 }

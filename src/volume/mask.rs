@@ -30,6 +30,12 @@ impl AlphaMask {
         Self { size: [1; 3], alpha: vec![255], everywhere: true }
     }
 
+    /// The mask that is opaque in the unit cube, and clear outside.
+    #[must_use]
+    pub fn cube() -> Self {
+        Self { size: [1; 3], alpha: vec![255], everywhere: false }
+    }
+
     /// Whether it is opaque outside the unit cube, too.
     #[must_use]
     pub fn is_everywhere(&self) -> bool {

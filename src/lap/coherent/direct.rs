@@ -15,6 +15,15 @@ const STRETCH: f64 = 2.5;
 /// ... and their determinant is at least this part of the product of their lengths.
 const UPRIGHT: f64 = 0.3;
 
+/// Whether the columns of J·\[R S T\] are stretched by at most so much, and far enough from lying in a plane. Along a given
+/// coordinate a field may be flat or steep: it is followed as it is.
+pub(super) fn is_straight(columns: &[DVec3; 3], free: [bool; 3], stretch: f64, upright: f64) -> bool {
+    let lengths = columns.map(DVec3::length);
+    let det = columns[0].dot(columns[1].cross(columns[2]));
+    det > upright * lengths.iter().product::<f64>()
+        && (0..3).all(|n| !free[n] || lengths[n] < stretch && lengths[n] * stretch > 1.0)
+}
+
 /// Texture coordinates over the whole model, which agree modulo 1 along axes that tile.
 pub(in crate::lap) struct Direct {
     /// At the corners of each tetrahedron.
@@ -60,11 +69,7 @@ impl Direct {
         let patch = PatchFrames::new(&frames, 0, glam::DQuat::IDENTITY);
         for (t, regular) in regular.iter_mut().enumerate().filter(|(_, regular)| **regular) {
             let columns = columns(&patch.frame(t), &mesh.gradients(t), &uvw[t]);
-            let lengths = columns.map(DVec3::length);
-            let det = columns[0].dot(columns[1].cross(columns[2]));
-            // Along a given coordinate a field may be flat or steep: it is followed as it is.
-            *regular = det > UPRIGHT * lengths.iter().product::<f64>()
-                && (0..3).all(|n| !free[n] || lengths[n] < STRETCH && lengths[n] * STRETCH > 1.0);
+            *regular = is_straight(&columns, free, STRETCH, UPRIGHT);
         }
         Ok((frames, Self { uvw, regular, asked, free, seams }))
     }

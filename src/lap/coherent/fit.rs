@@ -1,24 +1,131 @@
-//! Particles of patches that fit into holes, made smaller where they must be.
+//! Particles that fit into holes.
+//!
+//! First those that the patches have there by themselves, then others in what is left, straight ones, the larger ones first:
+//! as a mason fills a gap with what is at hand, cut to size.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
-use glam::{DMat3, DVec3};
+use glam::{BVec3, DVec3};
 use rayon::prelude::*;
 
-use super::direct::Direct;
+use super::broken::ByTet;
+use super::chart::{Chart, Sheet, Straight, coordinates};
+use super::direct::{Direct, is_straight};
+use super::form::{FIRST, Form};
 use super::lifts::{Lifts, Particle};
-use super::whole::{ByTet, coordinates, layer, near};
+use super::whole::layer;
 use crate::exec::{Cancelled, Exec};
 use crate::lap::coverage::{LATTICE, ORDER};
-use crate::lap::pasted::Pasted;
-use crate::mesh::{NONE, TET_FACES, TetMesh};
+use crate::lap::frames::PatchFrames;
+use crate::lap::measure::{anywhere_inside, numbers};
+use crate::lap::optimise::Given;
+use crate::lap::pasted::{Pasted, columns};
+use crate::lap::seed::mix;
+use crate::mesh::{TetMesh, index};
 
-/// By how much particles are made smaller along an axis to fit a hole: as a mason cuts bricks to size.
-const SIZES: [f64; 4] = [1.0, 0.8, 0.6, 0.4];
+/// By how much particles are made smaller along an axis to fit a hole.
+const SIZES: [f64; 5] = [1.0, 0.8, 0.6, 0.45, 0.3];
 /// The least part of a particle's volume that is left.
-const SMALLEST: f64 = 0.15;
-/// A barycentric coordinate above this is inside.
-const INSIDE: f64 = -1e-9;
+const SMALLEST: f64 = 0.04;
+/// The least part of the volume of one that belongs to a patch: straight ones are better to look at than bent small ones.
+const WORTH: f64 = 0.5;
+/// Of the volume of an open tetrahedron, this many times that of a mean particle is one place to be filled.
+const SPACING: f64 = 0.05;
+/// The most places in a tetrahedron.
+const PLACES: usize = 60;
+/// The particles of a patch are taken where it is stretched by at most this, either way, ...
+const STRETCH: f64 = 1.8;
+/// ... and the determinant of J·\[R S T\] is at least this part of the product of its columns' lengths.
+const UPRIGHT: f64 = 0.5;
+/// Joints are at most this part of a particle's reach.
+const JOINT: f64 = 0.3;
+
+/// What is there when particles are looked for.
+pub(super) struct Holes<'a> {
+    pub(super) mesh: &'a TetMesh,
+    pub(super) given: Given<'a>,
+    pub(super) direct: &'a Direct,
+    pub(super) lifts: &'a Lifts<'a>,
+    pub(super) broken: &'a ByTet,
+}
+
+/// A particle that has a place.
+pub(super) struct Placed {
+    pub(super) label: u32,
+    /// A patch of one period about it.
+    pub(super) pasted: Pasted,
+}
+
+/// A particle that is looked at: which, and where.
+#[derive(Clone, Copy)]
+struct Candidate<'a> {
+    label: u32,
+    form: &'a Form,
+    /// A tetrahedron of the patch into which it reaches.
+    slot: usize,
+    /// Where its middle lies in the patch.
+    at: DVec3,
+    size: DVec3,
+}
+
+/// A particle that is in, in a tetrahedron.
+struct Taken {
+    /// How many were put in before.
+    number: usize,
+    label: u32,
+    /// Where its texture is read at the corners, beside its first copy.
+    uvw: [DVec3; 4],
+    middle: DVec3,
+    reach: DVec3,
+    /// The patch to which it belongs at full size.
+    patch: Option<usize>,
+}
+
+/// Whole particles in the holes, one after the other.
+pub(super) fn fitting(
+    holes: &Holes<'_>,
+    patches: &[Pasted],
+    everywhere: u32,
+    exec: &Exec,
+) -> Result<Vec<Placed>, Cancelled> {
+    let mut mason = Mason {
+        sizes: sizes(holes.direct.free()),
+        joint: 0.5 * holes.lifts.joint() * holes.free(),
+        everywhere,
+        full: holes.mesh.tets.iter().map(|_| Vec::new()).collect(),
+        placed: Vec::new(),
+        holes,
+    };
+    let open = holes.open();
+    let of_patches: Vec<(Sheet<'_>, Vec<Candidate<'_>>)> = (patches.par_iter())
+        .map(|patch| {
+            exec.check()?;
+            Ok((Sheet::new(holes.mesh, patch), holes.copies(patch, &open)))
+        })
+        .collect::<Result<_, Cancelled>>()?;
+    for (n, (sheet, copies)) in of_patches.iter().enumerate() {
+        exec.check()?;
+        // Those that fit by themselves are found side by side; one after the other they then keep clear of each other.
+        let fit: Vec<(usize, &Candidate<'_>)> =
+            copies.par_iter().filter_map(|c| Some((mason.first(sheet, Some(n), c)?, c))).collect();
+        let before = mason.placed.len();
+        for (size, candidate) in fit {
+            mason.put(sheet, Some(n), candidate, size, before);
+        }
+    }
+    drop(of_patches);
+    exec.check()?;
+    let mut others: Vec<(usize, Straight<'_>, Candidate<'_>)> = (mason.others().into_par_iter())
+        .filter_map(|(chart, c)| Some((mason.first(&chart, None, &c)?, chart, c)))
+        .collect();
+    others.sort_by_key(|other| other.0);
+    let before = mason.placed.len();
+    for (size, chart, candidate) in &others {
+        exec.check()?;
+        mason.put(chart, None, candidate, *size, before);
+    }
+    Ok(mason.placed)
+}
 
 /// All sizes, the largest first; 1 along axes that are given.
 fn sizes(free: [bool; 3]) -> Vec<DVec3> {
@@ -31,255 +138,231 @@ fn sizes(free: [bool; 3]) -> Vec<DVec3> {
     all
 }
 
-/// What is there when particles of patches are looked at.
-pub(super) struct Holes<'a> {
-    pub(super) mesh: &'a TetMesh,
-    pub(super) direct: &'a Direct,
-    pub(super) lifts: &'a Lifts<'a>,
-    pub(super) broken: &'a ByTet,
-    /// Particles of patches that are in already: by tetrahedron where their textures are read, and which they are.
-    pub(super) taken: HashMap<u32, Vec<Taken>>,
-}
-
-/// A particle of a patch that is in, in a tetrahedron.
-pub(super) struct Taken {
-    particle: Particle,
-    /// Where its texture is read at the corners.
-    uvw: [DVec3; 4],
-    middle: DVec3,
-    reach: DVec3,
-}
-
-/// A patch as texture space sees it.
-pub(super) struct Sheet<'a> {
-    patch: &'a Pasted,
-    /// Of each tetrahedron the place of corner 0, and the matrix that takes a place beside it to the other barycentric
-    /// coordinates.
-    inverse: Vec<(DVec3, DMat3)>,
-    /// Of each tetrahedron those across its faces, where the patch goes on there without a slit.
-    beside: Vec<[Option<usize>; 4]>,
-}
-
-/// A particle that is to be put into a hole: made smaller about its middle.
-#[derive(Clone, Copy)]
-struct Candidate {
-    particle: Particle,
-    /// A tetrahedron of the patch in which it lies at full size, and where.
-    slot: usize,
-    middle: DVec3,
-    /// How far it reaches from there along the axes of the texture.
-    reach: DVec3,
-    size: DVec3,
-}
-
-/// Whole particles of patches, in holes that have room for them: their labels, and each as a patch of its own.
-pub(super) fn fitting(
-    holes: &mut Holes<'_>,
-    patches: &[Pasted],
+/// Who puts particles in.
+struct Mason<'a> {
+    holes: &'a Holes<'a>,
+    sizes: Vec<DVec3>,
+    /// Half a joint, along each axis.
+    joint: DVec3,
     everywhere: u32,
-    exec: &Exec,
-) -> Result<Vec<(u32, Pasted)>, Cancelled> {
-    let sizes = sizes(holes.direct.free());
-    let mut found = Vec::new();
-    for patch in patches {
-        exec.check()?;
-        let sheet = Sheet::new(holes.mesh, patch);
-        // Those that fit by themselves are found side by side; one after the other they then keep clear of each other.
-        let core =
-            DVec3::select(glam::BVec3::from_array(holes.direct.free()), DVec3::splat(SIZES[3]), DVec3::ONE);
-        let first = |c: &Candidate| {
-            // What lies in all sizes must have room first.
-            holes.has_room(&sheet, Candidate { size: core, ..*c })?;
-            (0..sizes.len()).find(|&n| holes.has_room(&sheet, Candidate { size: sizes[n], ..*c }).is_some())
-        };
-        let candidates: Vec<(Candidate, usize)> =
-            holes.candidates(patch).into_par_iter().filter_map(|c| Some((c, first(&c)?))).collect();
-        for (candidate, first) in candidates {
-            let room = sizes[first..].iter().find_map(|&size| {
-                let candidate = Candidate { size, ..candidate };
-                Some((candidate, holes.has_room(&sheet, candidate)?))
-            });
-            let Some((candidate, slots)) = room else { continue };
-            let uvw: Vec<[DVec3; 4]> = slots.iter().map(|&s| candidate.coordinates(patch, s)).collect();
-            let tets: Vec<u32> = slots.iter().map(|&s| patch.tets[s]).collect();
-            for (t, uvw) in tets.iter().zip(&uvw) {
-                let Candidate { particle, middle, reach, .. } = candidate;
-                holes.taken.entry(*t).or_default().push(Taken { particle, uvw: *uvw, middle, reach });
-            }
-            let pasted = layer(tets, uvw.into_iter().map(near).collect(), everywhere);
-            found.push((candidate.particle.label, pasted));
+    /// What is in already, by tetrahedron, oldest first.
+    full: Vec<Vec<Taken>>,
+    placed: Vec<Placed>,
+}
+
+impl<'a> Mason<'a> {
+    /// The number of the largest size for which there is room. `of` is the patch to which it belongs.
+    fn first(&self, chart: &impl Chart, of: Option<usize>, c: &Candidate<'_>) -> Option<usize> {
+        let mut last = 0;
+        let mut room = |size| self.has_room(chart, of, &Candidate { size, ..*c }, 0, &mut last);
+        // What lies in all sizes must have room first.
+        let core = DVec3::select(self.free_axes(), DVec3::splat(SIZES[SIZES.len() - 1]), DVec3::ONE);
+        room(core).then(|| self.sizes(of, 0).position(room))?
+    }
+
+    /// Puts a particle in, in the largest size from a first one on for which there is room; for that one there was, when
+    /// `before` were in.
+    fn put(&mut self, chart: &impl Chart, of: Option<usize>, c: &Candidate<'_>, first: usize, before: usize) {
+        let mut last = 0;
+        let fit = self.sizes(of, first).enumerate().find_map(|(n, size)| {
+            let c = Candidate { size, ..*c };
+            let since = if n == 0 { before } else { 0 };
+            self.has_room(chart, of, &c, since, &mut last).then_some(c)
+        });
+        if let Some(c) = fit {
+            self.add(chart, of, &c);
         }
     }
-    Ok(found)
-}
 
-impl Candidate {
-    /// Where its texture is read at the corners of the patch's tetrahedron number `slot`.
-    fn coordinates(&self, patch: &Pasted, slot: usize) -> [DVec3; 4] {
-        coordinates(patch, slot).map(|w| self.middle + (w - self.middle) / self.size)
+    /// The sizes that come into question, from a first one on.
+    fn sizes(&self, of: Option<usize>, first: usize) -> impl Iterator<Item = DVec3> {
+        let least = if of.is_some() { WORTH } else { 0.0 };
+        self.sizes[first..].iter().copied().take_while(move |size| size.element_product() >= least)
     }
 
-    /// Whether a tetrahedron with these coordinates may reach into it.
-    fn comes_near(&self, uvw: &[DVec3; 4]) -> bool {
-        let low = uvw.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let high = uvw.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-        (low.cmple(self.middle + self.reach) & high.cmpge(self.middle - self.reach)).all()
-    }
-}
-
-impl<'a> Sheet<'a> {
-    pub(super) fn new(mesh: &TetMesh, patch: &'a Pasted) -> Self {
-        let slots: HashMap<u32, usize> = patch.tets.iter().enumerate().map(|(slot, t)| (*t, slot)).collect();
-        let beside = (0..patch.tets.len())
-            .map(|slot| {
-                std::array::from_fn(|k| {
-                    let t = patch.tets[slot] as usize;
-                    let n = mesh.neighbours[t][k];
-                    let other = *slots.get(&n)?;
-                    let joined = TET_FACES[k].iter().all(|&i| {
-                        let j = mesh.tets[n as usize].iter().position(|w| *w == mesh.tets[t][i]);
-                        j.is_some_and(|j| patch.uvw[other][j] == patch.uvw[slot][i])
-                    });
-                    joined.then_some(other)
-                })
-            })
-            .collect();
-        let inverse = (0..patch.tets.len())
-            .map(|slot| {
-                let [a, b, c, d] = coordinates(patch, slot);
-                (a, DMat3::from_cols(b - a, c - a, d - a).inverse())
-            })
-            .collect();
-        Self { patch, inverse, beside }
+    fn free_axes(&self) -> BVec3 {
+        BVec3::from_array(self.holes.direct.free())
     }
 
-    fn barycentric(&self, slot: usize, place: DVec3) -> [f64; 4] {
-        let (origin, inverse) = self.inverse[slot];
-        let b = inverse * (place - origin);
-        [1.0 - b.x - b.y - b.z, b.x, b.y, b.z]
-    }
-
-    /// Goes from a tetrahedron to the one in which a place of texture space lies. `Ok(None)` where the way leads out of
-    /// the model.
-    ///
-    /// # Errors
-    /// Where it leads to the patch's end.
-    pub(super) fn walk(
+    /// Whether a particle, and half a joint around it, lies wholly in a patch and over nothing that stays: a whole particle of
+    /// the model's own coordinates, or one that is in. With a `since` above 0 only those are looked at that came after as many
+    /// others. `last` is the point that was in the way before: it likely is again.
+    fn has_room(
         &self,
-        mesh: &TetMesh,
-        mut slot: usize,
-        place: DVec3,
-    ) -> Result<Option<(usize, [f64; 4])>, ()> {
-        for _ in 0..self.inverse.len().min(200) {
-            let b = self.barycentric(slot, place);
-            let k = (0..4).fold(0, |least, k| if b[k] < b[least] { k } else { least });
-            if b[k] >= INSIDE {
-                return Ok(Some((slot, b)));
+        chart: &impl Chart,
+        of: Option<usize>,
+        c: &Candidate<'_>,
+        since: usize,
+        last: &mut usize,
+    ) -> bool {
+        let voxel = self.holes.lifts.size().recip();
+        let joint = (self.joint / c.form.reach).min(DVec3::splat(JOINT) * c.size);
+        let size = c.size + joint.max(voxel / c.form.reach);
+        let of = of.filter(|_| c.size == DVec3::ONE);
+        let mut slot = c.slot;
+        let mut is_free = |point: usize| {
+            let place = c.at + (c.form.points[point] - c.form.middle) * size;
+            match chart.walk(slot, place) {
+                Ok(Some((at, b))) => {
+                    slot = at;
+                    let t = chart.tet(slot);
+                    (since > 0 || !self.holes.is_own(t, &b)) && !self.is_full(t, &b, of, since)
+                }
+                // What sticks out of the model is not seen.
+                Ok(None) => true,
+                Err(()) => false,
             }
-            if mesh.neighbours[self.patch.tets[slot] as usize][k] == NONE {
-                return Ok(None);
-            }
-            slot = self.beside[slot][k].ok_or(())?;
+        };
+        if !is_free(*last) {
+            return false;
         }
-        Err(())
+        // A small one has points enough if some are left out.
+        let step = (size.element_product().powf(-2.0 / 3.0) as usize).max(1);
+        let count = c.form.points.len();
+        let in_the_way =
+            (0..FIRST.min(count)).chain((FIRST..count).step_by(step)).find(|&point| !is_free(point));
+        *last = in_the_way.unwrap_or(*last);
+        in_the_way.is_none()
+    }
+
+    /// Whether one that is in lies at a point, which is not of the same patch and came after as many others.
+    fn is_full(&self, t: u32, b: &[f64; 4], of: Option<usize>, since: usize) -> bool {
+        let is_there = |other: &Taken| {
+            let place: DVec3 = (0..4).map(|k| other.uvw[k] * b[k]).sum();
+            (place - other.middle).abs().cmple(other.reach).all()
+                && self.holes.lifts.at(place) == Some(Particle { label: other.label, cell: [0; 3] })
+        };
+        let new = self.full[t as usize].iter().rev().take_while(|other| other.number >= since);
+        new.filter(|other| of.is_none() || of != other.patch).any(is_there)
+    }
+
+    fn add(&mut self, chart: &impl Chart, of: Option<usize>, c: &Candidate<'_>) {
+        let free = self.holes.free();
+        let reach = c.form.reach + 0.5 / self.holes.lifts.size();
+        // The texture is read one period about the particle, so that no other copy of it is seen.
+        let shift = (c.form.middle - 0.5) * free;
+        let mut pasted = layer(Vec::new(), Vec::new(), self.everywhere + 1);
+        pasted.shift = shift.as_vec3().to_array();
+        for slot in chart.under(c.slot, c.at, reach * c.size) {
+            let uvw = chart.coordinates(slot).map(|w| (w - c.at * free) / c.size + 0.5 * free);
+            let t = chart.tet(slot);
+            pasted.tets.push(t);
+            pasted.uvw.push(uvw.map(|w| w.as_vec3().to_array()));
+            self.full[t as usize].push(Taken {
+                number: self.placed.len(),
+                label: c.label,
+                uvw: uvw.map(|w| w + shift),
+                middle: c.form.middle,
+                reach: c.form.reach,
+                patch: of.filter(|_| c.size == DVec3::ONE),
+            });
+        }
+        self.placed.push(Placed { label: c.label, pasted });
+    }
+
+    /// Particles at places of holes where nothing is yet, as straight as the frame is there.
+    fn others(&self) -> Vec<(Straight<'a>, Candidate<'a>)> {
+        let (holes, free) = (self.holes, self.free_axes());
+        let stock: Vec<(u32, &Form)> = holes.lifts.compact().collect();
+        if stock.is_empty() {
+            return Vec::new();
+        }
+        let volume = stock.iter().map(|(_, form)| 8.0 * form.reach.element_product()).sum::<f64>();
+        let spacing = SPACING * volume / stock.len() as f64;
+        let frames = PatchFrames::new(&holes.direct.asked, 0, glam::DQuat::IDENTITY);
+        let in_tet = |t: u32| {
+            let frame = frames.frame(t as usize);
+            let volume = holes.mesh.tet_volume(t as usize) * frame.texture_from_world.determinant().abs();
+            let places = ((volume / spacing).ceil() as usize).min(PLACES);
+            let stock = &stock;
+            (0..places).filter_map(move |n| {
+                let b = anywhere_inside(&mut numbers(0x0D1E_5EED_7A6E_0051, t as usize * PLACES + n));
+                if !holes.is_open(t, &b) || self.is_full(t, &b, None, 0) {
+                    return None;
+                }
+                let mean = |of: [DVec3; 4]| (0..4).map(|k| of[k] * b[k]).sum::<DVec3>();
+                let origin = mean(holes.mesh.corners(t as usize));
+                let chart = Straight { mesh: holes.mesh, given: holes.given, origin, frame };
+                let slot = t as usize;
+                let place = mean(chart.coordinates(slot));
+                // Along an axis that is given a particle stays where it is.
+                let fits = |form: &Form| ((place - form.middle).abs().cmple(form.reach) | free).all();
+                let from = mix(u64::from(t), n as u64, 0) as usize % stock.len();
+                let (label, form) =
+                    stock[from..].iter().chain(&stock[..from]).copied().find(|(_, form)| fits(form))?;
+                let at = DVec3::select(free, DVec3::ZERO, form.middle);
+                Some((chart, Candidate { label, form, slot, at, size: DVec3::ONE }))
+            })
+        };
+        let tets = (0..index(holes.mesh.tets.len())).into_par_iter().filter(|&t| holes.has_hole(t));
+        tets.flat_map_iter(in_tet).collect()
     }
 }
 
 impl Holes<'_> {
-    /// Whether there is nothing yet at a point: no coordinates, or a particle that is left out.
-    fn is_open(&self, t: u32, b: &[f64; 4]) -> bool {
-        self.direct.regular(t as usize).is_none() || self.own(t, b).is_some_and(|p| self.is_broken(t, p))
+    /// 1 along axes that are solved for, 0 along those that are given.
+    fn free(&self) -> DVec3 {
+        DVec3::from_array(self.direct.free().map(|free| f64::from(u8::from(free))))
     }
 
-    /// The particle of the model's own coordinates at a point.
-    fn own(&self, t: u32, b: &[f64; 4]) -> Option<Particle> {
-        self.direct.regular(t as usize).and_then(|own| self.lifts.at((0..4).map(|k| own[k] * b[k]).sum()))
+    fn has_hole(&self, t: u32) -> bool {
+        self.direct.regular(t as usize).is_none() || !self.broken[t as usize].is_empty()
+    }
+
+    /// Whether nothing is at a point by the model's own coordinates: there are none, or a particle that is left out.
+    fn is_open(&self, t: u32, b: &[f64; 4]) -> bool {
+        let Some(own) = self.direct.regular(t as usize) else { return true };
+        self.lifts.at((0..4).map(|k| own[k] * b[k]).sum()).is_some_and(|p| self.is_broken(t, p))
+    }
+
+    /// Whether a whole particle of the model's own coordinates shows at a point.
+    fn is_own(&self, t: u32, b: &[f64; 4]) -> bool {
+        self.direct.regular(t as usize).is_some_and(|own| {
+            let particle = self.lifts.at((0..4).map(|k| own[k] * b[k]).sum());
+            particle.is_some_and(|p| !self.is_broken(t, p))
+        })
     }
 
     fn is_broken(&self, t: u32, particle: Particle) -> bool {
-        self.broken.get(&t).is_some_and(|all| all.contains(&particle))
+        self.broken[t as usize].contains(&particle)
+    }
+
+    /// The lattice points of tetrahedra at which is nothing.
+    fn open(&self) -> HashMap<u32, Vec<[f64; 4]>> {
+        let points = LATTICE.map(|b| b.map(|e| f64::from(e) / ORDER as f64));
+        (0..index(self.mesh.tets.len()))
+            .into_par_iter()
+            .filter(|&t| self.has_hole(t))
+            .map(|t| (t, points.into_iter().filter(|b| self.is_open(t, b)).collect()))
+            .collect()
     }
 
     /// The particles of a patch in holes, those first that cover most of them.
-    fn candidates(&self, patch: &Pasted) -> Vec<Candidate> {
-        let mut found: BTreeMap<Particle, (f64, usize)> = BTreeMap::new();
-        let points = LATTICE.map(|b| b.map(|e| f64::from(e) / ORDER as f64));
-        for (slot, &t) in patch.tets.iter().enumerate() {
-            if self.direct.regular(t as usize).is_some() && !self.broken.contains_key(&t) {
+    fn copies(&self, patch: &Pasted, open: &HashMap<u32, Vec<[f64; 4]>>) -> Vec<Candidate<'_>> {
+        let mut found: HashMap<Particle, (f64, usize)> = HashMap::new();
+        let frames = PatchFrames::new(&self.direct.asked, 0, glam::DQuat::IDENTITY);
+        for (slot, t) in patch.tets.iter().enumerate() {
+            let Some(open) = open.get(t) else { continue };
+            let uvw = coordinates(patch, slot);
+            let columns =
+                columns(&frames.frame(*t as usize), &self.mesh.gradients(*t as usize), &uvw);
+            if !is_straight(&columns, self.direct.free(), STRETCH, UPRIGHT) {
                 continue;
             }
-            let uvw = coordinates(patch, slot);
-            for b in points.iter().filter(|b| self.is_open(t, b)) {
+            for b in open {
                 if let Some(p) = self.lifts.at((0..4).map(|k| uvw[k] * b[k]).sum()) {
-                    found.entry(p).or_insert((0.0, slot)).0 += self.mesh.tet_volume(t as usize);
+                    found.entry(p).or_insert((0.0, slot)).0 += self.mesh.tet_volume(*t as usize);
                 }
             }
         }
         let mut found: Vec<(Particle, (f64, usize))> = found.into_iter().collect();
         found.sort_by(|a, b| b.1.0.total_cmp(&a.1.0).then(a.0.cmp(&b.0)));
         (found.into_iter())
-            .filter_map(|(particle, (_, slot))| {
-                let form = self.lifts.form(particle)?;
-                let middle = form.middle + cell(particle);
-                Some(Candidate { particle, slot, middle, reach: form.reach, size: DVec3::ONE })
+            .filter_map(|(p, (_, slot))| {
+                let form = self.lifts.form(p.label).filter(|form| form.is_compact)?;
+                let at = form.middle + DVec3::from_array(p.cell.map(f64::from));
+                Some(Candidate { label: p.label, form, slot, at, size: DVec3::ONE })
             })
             .collect()
     }
-
-    /// The tetrahedra of a patch over which a particle lies. `None` where it reaches the patch's end, lies over a particle
-    /// that stays (a whole one of the model's own coordinates, or one that is taken), or is nowhere.
-    fn has_room(&self, sheet: &Sheet<'_>, of: Candidate) -> Option<Vec<usize>> {
-        let form = self.lifts.form(of.particle)?;
-        let mut slot = of.slot;
-        let mut slots = Vec::new();
-        for point in &form.points {
-            let place = of.middle + (*point + cell(of.particle) - of.middle) * of.size;
-            let Some((at, b)) = sheet.walk(self.mesh, slot, place).ok()? else { continue };
-            slot = at;
-            let t = sheet.patch.tets[slot];
-            if self.own(t, &b).is_some_and(|p| !self.is_broken(t, p)) || self.is_taken(t, &b) {
-                return None;
-            }
-            if !slots.contains(&slot) {
-                slots.push(slot);
-            }
-        }
-        // Corners of tetrahedra may reach in between the points.
-        for n in 0..slots.len() {
-            for k in 0..4 {
-                if let Some(other) = sheet.beside[slots[n]][k]
-                    && !slots.contains(&other)
-                    && of.comes_near(&of.coordinates(sheet.patch, other))
-                {
-                    slots.push(other);
-                }
-            }
-        }
-        // Labels tell what is drawn: no other copy may be.
-        let alone = slots.iter().all(|&slot| {
-            let uvw = of.coordinates(sheet.patch, slot);
-            // The next copy is a period away.
-            let near = |w: &DVec3| (*w - of.middle).abs().cmplt(DVec3::ONE - of.reach).all();
-            uvw.iter().all(near)
-                || LATTICE.iter().all(|b| {
-                    let here = self.lifts.at((0..4).map(|k| uvw[k] * f64::from(b[k]) / ORDER as f64).sum());
-                    here.is_none_or(|p| p.label != of.particle.label || p == of.particle)
-                })
-        });
-        (alone && !slots.is_empty()).then_some(slots)
-    }
-
-    fn is_taken(&self, t: u32, b: &[f64; 4]) -> bool {
-        let is_there = |other: &Taken| {
-            let place: DVec3 = (0..4).map(|k| other.uvw[k] * b[k]).sum();
-            (place - other.middle).abs().cmple(other.reach).all()
-                && self.lifts.at(place) == Some(other.particle)
-        };
-        self.taken.get(&t).is_some_and(|taken| taken.iter().any(is_there))
-    }
-}
-
-/// The periods of a particle's cell.
-fn cell(particle: Particle) -> DVec3 {
-    DVec3::from_array(particle.cell.map(f64::from))
 }

@@ -1,10 +1,11 @@
 //! Which copy of a particle lies where: a texture that tiles has each particle once in every period.
 
-use std::collections::{HashMap, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 
 use glam::DVec3;
 
-use super::matrix::around;
+use super::form::{Form, forms};
+use super::matrix::{around, thickness};
 use crate::volume::SolidTexture;
 
 /// A copy of a particle: its label, and by how many periods along each axis it lies beside the first copy.
@@ -30,22 +31,8 @@ pub(super) struct Lifts<'a> {
     /// first voxel of it: one that reaches over the end of the block goes on at its beginning.
     cells: Vec<[i8; 3]>,
     /// The first copy of each particle.
-    forms: HashMap<u32, Form>,
+    forms: BTreeMap<u32, Form>,
 }
-
-/// A particle's first copy, in texture space.
-#[derive(Default)]
-pub(super) struct Form {
-    /// Its middle.
-    pub(super) middle: DVec3,
-    /// How far it reaches from there along the axes.
-    pub(super) reach: DVec3,
-    /// The middles of voxels of it, all over: not more than [`POINTS`].
-    pub(super) points: Vec<DVec3>,
-}
-
-/// The most points at which it is looked whether there is room for a particle.
-const POINTS: usize = 3000;
 
 impl<'a> Lifts<'a> {
     /// `None` where a particle goes all around the texture and meets itself: it has no copies that end.
@@ -78,34 +65,28 @@ impl<'a> Lifts<'a> {
                 }
             }
         }
-        let mut forms: HashMap<u32, Form> = HashMap::new();
-        let sides = DVec3::from_array(size.map(|n| n as f64));
-        for (v, label) in labels.iter().enumerate().filter(|(_, label)| **label != 0) {
-            let at = [v % size[0], v / size[0] % size[1], v / size[0] / size[1]].map(|c| c as f64 + 0.5);
-            let place = DVec3::from_array(at) / sides + DVec3::from_array(cells[v].map(f64::from));
-            forms.entry(*label).or_default().points.push(place);
-        }
-        for form in forms.values_mut() {
-            let all = &form.points;
-            form.middle = all.iter().sum::<DVec3>() / all.len() as f64;
-            let voxels = all.iter().map(|p| (*p - form.middle).abs()).fold(DVec3::ZERO, DVec3::max);
-            form.reach = voxels + 0.5 / sides;
-            // In an order in which the first ones already lie all over.
-            let count = all.len();
-            let stride = (1..).map(|n| count * 8 / 13 + n).find(|n| coprime(*n, count)).unwrap_or(1);
-            form.points = (0..count.min(POINTS)).map(|n| all[n * stride % count]).collect();
-        }
+        let forms = forms(labels, &cells, size, tiles);
         Some(Self { size, tiles, labels, cells, forms })
     }
 
-    /// The form of a particle, but for the periods of its cell.
-    pub(super) fn form(&self, particle: Particle) -> Option<&Form> {
-        self.forms.get(&particle.label)
+    /// The first copy of a particle.
+    pub(super) fn form(&self, label: u32) -> Option<&Form> {
+        self.forms.get(&label)
+    }
+
+    /// The particles that a box of one period tells apart from their copies, with their labels.
+    pub(super) fn compact(&self) -> impl Iterator<Item = (u32, &Form)> {
+        self.forms.iter().map(|(label, form)| (*label, form)).filter(|(_, form)| form.is_compact)
     }
 
     /// The labels of all voxels.
     pub(super) fn labels(&self) -> &'a [u32] {
         self.labels
+    }
+
+    /// How thick the matrix is between particles, along each axis.
+    pub(super) fn joint(&self) -> DVec3 {
+        thickness(self.labels, self.size, self.tiles) / self.size()
     }
 
     /// Voxels along the axes.
@@ -115,27 +96,45 @@ impl<'a> Lifts<'a> {
 
     /// The particle at a point of texture space; `None` in the matrix.
     pub(super) fn at(&self, uvw: DVec3) -> Option<Particle> {
-        let mut voxel = [0usize; 3];
-        let mut period = [0i32; 3];
-        for n in 0..3 {
-            let side = self.size[n] as i64;
-            let at = (uvw[n] * side as f64).floor() as i64;
-            if self.tiles[n] {
-                (voxel[n], period[n]) = (at.rem_euclid(side) as usize, at.div_euclid(side) as i32);
-            } else {
-                voxel[n] = at.clamp(0, side - 1) as usize;
-            }
+        let at = (uvw * self.size()).floor().to_array();
+        let [x, y, z] = std::array::from_fn(|n| self.voxel(n, at[n] as i64));
+        self.particle([x, y, z])
+    }
+
+    /// Whether any of the particles of which something shows at a point, where colours blend between voxels, is such a one.
+    pub(super) fn any_near(&self, uvw: DVec3, mut is: impl FnMut(Particle) -> bool) -> bool {
+        let low = (uvw * self.size() - 0.5).floor().to_array();
+        let [x, y, z] = [0, 1, 2].map(|n| [0, 1].map(|step| self.voxel(n, low[n] as i64 + step)));
+        let mut last = None;
+        z.into_iter().any(|z| {
+            y.into_iter().any(|y| {
+                x.into_iter().any(|x| {
+                    let here = self.particle([x, y, z]);
+                    let new = here != last;
+                    last = here;
+                    new && here.is_some_and(&mut is)
+                })
+            })
+        })
+    }
+
+    /// Which voxel along an axis is read, and by how many periods it lies beside the first of its copies.
+    fn voxel(&self, axis: usize, at: i64) -> (usize, i32) {
+        let side = self.size[axis] as i64;
+        if self.tiles[axis] {
+            (at.rem_euclid(side) as usize, at.div_euclid(side) as i32)
+        } else {
+            (at.clamp(0, side - 1) as usize, 0)
         }
-        let v = (voxel[2] * self.size[1] + voxel[1]) * self.size[0] + voxel[0];
+    }
+
+    fn particle(&self, [x, y, z]: [(usize, i32); 3]) -> Option<Particle> {
+        let v = (z.0 * self.size[1] + y.0) * self.size[0] + x.0;
         let label = self.labels[v];
-        let cell = std::array::from_fn(|n| period[n] - i32::from(self.cells[v][n]));
+        let own = self.cells[v];
+        let cell = [x.1 - i32::from(own[0]), y.1 - i32::from(own[1]), z.1 - i32::from(own[2])];
         (label != 0).then_some(Particle { label, cell })
     }
-}
-
-/// Whether no number but 1 divides both.
-fn coprime(a: usize, b: usize) -> bool {
-    if b == 0 { a == 1 } else { coprime(b, a % b) }
 }
 
 #[cfg(test)]
@@ -161,12 +160,22 @@ mod tests {
         assert_eq!(at(19.0, 0.2).unwrap(), here.moved([2, 0, 0]));
         assert_eq!(lifts.at(DVec3::new(3.5 / 8.0, 7.3, 0.2)), Some(here));
         // The middle of the first lies on the seam.
-        let form = lifts.form(at(6.0, 0.2).unwrap()).unwrap();
+        let form = lifts.form(at(6.0, 0.2).unwrap().label).unwrap();
         assert!(
             (form.middle.x.rem_euclid(1.0)).min(1.0 - form.middle.x.rem_euclid(1.0)) < 1e-9,
             "{}",
             form.middle
         );
-        assert_eq!(form.points.len(), 16);
+        assert!(form.is_compact && (form.reach.x - 2.0 / 8.0).abs() < 1e-9, "{}", form.reach);
+        // Between voxels both show, and only those.
+        let near = |x: f64| {
+            let mut all = Vec::new();
+            lifts.any_near(DVec3::new(x / 8.0, 0.3, 0.2), |p| {
+                all.push(p);
+                false
+            });
+            all
+        };
+        assert_eq!((near(3.6), near(2.6), near(2.4)), (vec![here], vec![here], vec![at(1.0, 0.2).unwrap()]));
     }
 }

@@ -52,6 +52,17 @@ pub(super) fn matrix(texture: &SolidTexture, labels: &[u32]) -> SolidTexture {
     plain.expect("it is as large as the texture")
 }
 
+/// How thick the matrix is between particles, in voxels: so much of it lies between as much of their surfaces.
+pub(super) fn thickness(labels: &[u32], size: [usize; 3], tiles: [bool; 3]) -> f64 {
+    let matrix = labels.iter().filter(|l| **l == 0).count();
+    let faces = |v: usize| {
+        let other = |n: &usize| labels[*n] != labels[v];
+        around(v, size, tiles).into_iter().flatten().filter(other).count()
+    };
+    let surface: usize = (0..labels.len()).filter(|&v| labels[v] != 0).map(faces).sum();
+    2.0 * matrix as f64 / surface.max(1) as f64
+}
+
 /// The voxels that share a face with a voxel.
 pub(super) fn around(v: usize, size: [usize; 3], tiles: [bool; 3]) -> [Option<usize>; 6] {
     let at = [v % size[0], v / size[0] % size[1], v / size[0] / size[1]];
@@ -72,6 +83,14 @@ pub(super) fn around(v: usize, size: [usize; 3], tiles: [bool; 3]) -> [Option<us
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn thickness_is_that_of_joints() {
+        // Slabs of six voxels between joints of two.
+        let labels: Vec<u32> =
+            (0..16 * 16 * 16).map(|v| if v / 256 % 8 < 2 { 0 } else { 1 + (v / 256 / 8) as u32 }).collect();
+        assert!((thickness(&labels, [16; 3], [true; 3]) - 2.0).abs() < 1e-12);
+    }
 
     #[test]
     fn particles_turn_into_what_is_around_them() {

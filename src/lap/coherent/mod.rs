@@ -7,8 +7,11 @@
 //! coordinates too, so that they agree with what is around them modulo whole periods. Of a texture with particles they
 //! take whole ones only ([`whole`]); of others they meet what is there where colours differ least ([`seam`]).
 
+mod broken;
+mod chart;
 mod direct;
 mod fit;
+mod form;
 mod lifts;
 mod matrix;
 mod regular;

@@ -8,8 +8,8 @@ use std::collections::BinaryHeap;
 
 use glam::DVec3;
 
+use super::chart::{Chart, Sheet};
 use super::direct::Direct;
-use super::fit::Sheet;
 use super::matrix::around;
 use crate::lap::pasted::Pasted;
 use crate::mesh::TetMesh;
@@ -46,7 +46,7 @@ pub(super) fn seam(
             let alpha = mask.sample(at.map(|c| c as f32));
             let place = DVec3::from_array(at) + shift;
             let Some((found, b)) =
-                (alpha > 0.0).then(|| sheet.walk(mesh, slot, place).ok().flatten()).flatten()
+                (alpha > 0.0).then(|| sheet.walk(slot, place).ok().flatten()).flatten()
             else {
                 return Voxel::Outside;
             };

@@ -1,14 +1,15 @@
 //! Whole particles around the tetrahedra where coordinates are not regular.
 //!
 //! A particle that reaches into such a tetrahedron, or to a face where frames contradict each other, would be cut there:
-//! it is *broken*, and left out wholly. In the hole lies matrix, and on it those particles of the patches that fit: that
-//! are whole in their patch and touch no particle that is there already.
+//! it is *broken*, and left out wholly. In the hole lies matrix, and on it particles that fit: that are whole in a patch and
+//! touch no particle that is there already.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use glam::DVec3;
-use rayon::prelude::*;
 
+use super::broken::{ByTet, broken};
+use super::chart::coordinates;
 use super::direct::Direct;
 use super::fit::{Holes, fitting};
 use super::lifts::{Lifts, Particle};
@@ -18,13 +19,11 @@ use crate::lap::fill::Lapped;
 use crate::lap::frames::PatchFrames;
 use crate::lap::measure::Fits;
 use crate::lap::pasted::{Fit, Ground, Pasted, columns};
-use crate::mesh::{NONE, TET_FACES, TetMesh, index};
+use crate::mesh::{NONE, index};
 use crate::volume::{AlphaMask, Choice, SolidTexture};
 
 /// The number of the exemplar that is the matrix alone.
 const MATRIX: u32 = 1;
-/// The most points along an edge at which it is looked for particles.
-const FINEST: usize = 96;
 
 /// What is pasted over a model, in order.
 pub(in crate::lap) struct Layered {
@@ -66,12 +65,9 @@ pub(super) fn layer(tets: Vec<u32>, uvw: Vec<[[f32; 3]; 4]>, everywhere: u32) ->
 }
 
 /// Coordinates as a layer stores them.
-pub(super) fn near(uvw: [DVec3; 4]) -> [[f32; 3]; 4] {
+fn near(uvw: [DVec3; 4]) -> [[f32; 3]; 4] {
     uvw.map(|w| w.as_vec3().to_array())
 }
-
-/// Particles by tetrahedron, as its own coordinates see them.
-pub(super) type ByTet = BTreeMap<u32, BTreeSet<Particle>>;
 
 /// The layers of a texture whose particles `lifts` tells apart.
 pub(super) fn layered(
@@ -88,7 +84,7 @@ pub(super) fn layered(
     let broken = broken(mesh, direct, lifts, exec)?;
     let mut choices = Choices::default();
     let mut pasted = Vec::new();
-    let whole = |t: &u32| direct.regular(*t as usize).is_some() && !broken.contains_key(t);
+    let whole = |t: &u32| direct.regular(*t as usize).is_some() && broken[*t as usize].is_empty();
     pasted.push(base(ground, direct, (0..count).filter(whole).collect(), everywhere));
     let holes: Vec<u32> = (0..count).filter(|t| !whole(t)).collect();
     if holes.is_empty() {
@@ -114,26 +110,62 @@ pub(super) fn layered(
         }
     }
     pasted.push(under);
-    // The model's own particles but for the broken ones.
+    // The model's own particles but for those of broken ones' labels, ...
     let mut groups: BTreeMap<Vec<u32>, Vec<u32>> = BTreeMap::new();
     for &t in holes.iter().filter(|t| direct.regular(**t as usize).is_some()) {
-        let without: BTreeSet<u32> = broken[&t].iter().map(|p| p.label).collect();
+        let without: BTreeSet<u32> = broken[t as usize].iter().map(|p| p.label).collect();
         groups.entry(without.into_iter().collect()).or_default().push(t);
     }
     for (without, tets) in groups {
         let choice = choices.number(Choice::Without(without));
         pasted.push(Pasted { choice, ..base(ground, direct, tets, everywhere) });
     }
-    let mut holes = Holes { mesh, direct, lifts, broken: &broken, taken: HashMap::new() };
-    for (label, pasted_one) in fitting(&mut holes, &patches, everywhere, exec)? {
-        pasted.push(Pasted { choice: choices.number(Choice::Only(vec![label])), ..pasted_one });
+    // ... and of those labels the copies that are whole.
+    for (label, copies) in kept(direct, lifts, &broken, everywhere) {
+        pasted.push(Pasted { choice: choices.number(Choice::Only(vec![label])), ..copies });
+    }
+    let holes = Holes { mesh, given: ground.given, direct, lifts, broken: &broken };
+    for placed in fitting(&holes, &patches, everywhere, exec)? {
+        pasted.push(Pasted { choice: choices.number(Choice::Only(vec![placed.label])), ..placed.pasted });
     }
     Ok(Layered {
         pasted,
-        masks: Vec::new(),
+        masks: vec![AlphaMask::cube()],
         choices: choices.list,
         matrix: Some(matrix(texture, lifts.labels())),
     })
+}
+
+/// The copies that stay whole in tetrahedra in which another copy is left out, by label. They are read one period about
+/// their middle, so that the other is not seen.
+fn kept(direct: &Direct, lifts: &Lifts<'_>, broken: &ByTet, everywhere: u32) -> BTreeMap<u32, Pasted> {
+    let free = DVec3::from_array(direct.free().map(|free| f64::from(u8::from(free))));
+    let mut kept: BTreeMap<u32, Pasted> = BTreeMap::new();
+    for (t, broken) in broken.iter().enumerate().filter(|(_, broken)| !broken.is_empty()) {
+        let Some(own) = direct.regular(t) else { continue };
+        let low = own.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = own.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let labels: BTreeSet<u32> = broken.iter().map(|p| p.label).collect();
+        for label in labels {
+            let Some(form) = lifts.form(label).filter(|form| form.is_compact) else { continue };
+            let reach = form.reach + 0.5 / lifts.size();
+            let from = ((low - form.middle - reach).ceil() * free).as_ivec3();
+            let to = ((high - form.middle + reach).floor() * free).as_ivec3();
+            let cells = (from.x..=to.x).flat_map(|x| {
+                (from.y..=to.y).flat_map(move |y| (from.z..=to.z).map(move |z| [x, y, z]))
+            });
+            for cell in cells.filter(|&cell| !broken.contains(&Particle { label, cell })) {
+                let shift = (form.middle - 0.5) * free;
+                let copies = kept.entry(label).or_insert_with(|| Pasted {
+                    shift: shift.as_vec3().to_array(),
+                    ..layer(Vec::new(), Vec::new(), everywhere + 1)
+                });
+                copies.tets.push(index(t));
+                copies.uvw.push(near(own.map(|w| w - DVec3::from_array(cell.map(f64::from)) - shift)));
+            }
+        }
+    }
+    kept
 }
 
 /// Choices, each once.
@@ -150,95 +182,4 @@ impl Choices {
             index(self.list.len() - 1)
         })
     }
-}
-
-/// Where a patch reads its texture at the corners of its tetrahedron number `slot`.
-pub(super) fn coordinates(patch: &Pasted, slot: usize) -> [DVec3; 4] {
-    let shift = DVec3::from_array(patch.shift.map(f64::from));
-    patch.uvw[slot].map(|w| DVec3::from_array(w.map(f64::from)) + shift)
-}
-
-/// By how many periods coordinates `there` are larger than `here`, both of a vertex that they share.
-fn periods(here: DVec3, there: DVec3) -> [i32; 3] {
-    (there - here).round().to_array().map(|d| d as i32)
-}
-
-/// How many points along the edges of a triangle are a voxel apart at most.
-fn order(uvw: &[DVec3], lifts: &Lifts<'_>) -> usize {
-    let longest = (uvw.iter().enumerate())
-        .flat_map(|(n, a)| uvw[..n].iter().map(move |b| ((*a - *b) * lifts.size()).length()))
-        .fold(0.0, f64::max);
-    (longest.ceil() as usize).clamp(2, FINEST)
-}
-
-/// Barycentric coordinates, `order` steps along each edge.
-fn on_face(order: usize) -> impl Iterator<Item = [f64; 3]> {
-    (0..=order).flat_map(move |a| {
-        (0..=order - a).map(move |b| [a, b, order - a - b].map(|n| n as f64 / order as f64))
-    })
-}
-
-/// The particles at points of face `k` of a tetrahedron with these coordinates.
-fn particles_on(lifts: &Lifts<'_>, uvw: &[DVec3; 4], k: usize) -> BTreeSet<Particle> {
-    let face = TET_FACES[k].map(|i| uvw[i]);
-    let at = |b: [f64; 3]| lifts.at((0..3).map(|n| face[n] * b[n]).sum());
-    on_face(order(&face, lifts)).filter_map(at).collect()
-}
-
-/// The particles of the model's own coordinates that would be cut.
-fn broken(mesh: &TetMesh, direct: &Direct, lifts: &Lifts<'_>, exec: &Exec) -> Result<ByTet, Cancelled> {
-    let mut broken = ByTet::new();
-    let mut open: Vec<(u32, Particle)> = Vec::new();
-    let seams: HashSet<(u32, u8)> = direct.seams.iter().copied().collect();
-    // A face of a regular tetrahedron beyond which its coordinates do not go on.
-    let ends: Vec<(u32, usize)> = (0..mesh.tets.len())
-        .filter(|&t| direct.regular(t).is_some())
-        .flat_map(|t| (0..4).map(move |k| (t, k)))
-        .filter(|&(t, k)| {
-            let n = mesh.neighbours[t][k];
-            n != NONE && (direct.regular(n as usize).is_none() || seams.contains(&(index(t), k as u8)))
-        })
-        .map(|(t, k)| (index(t), k))
-        .collect();
-    let found: Vec<(u32, BTreeSet<Particle>)> =
-        ends.par_iter().map(|&(t, k)| (t, particles_on(lifts, &direct.any(t as usize), k))).collect();
-    for (t, particles) in found {
-        for p in particles {
-            if broken.entry(t).or_default().insert(p) {
-                open.push((t, p));
-            }
-        }
-    }
-    let mut faces: HashMap<(u32, usize), BTreeSet<Particle>> = HashMap::new();
-    while let Some((t, particle)) = open.pop() {
-        exec.check()?;
-        let own = direct.any(t as usize);
-        for k in 0..4 {
-            let on = faces.entry((t, k)).or_insert_with(|| particles_on(lifts, &own, k));
-            // Labels tell particles apart that are left out: another copy in the same tetrahedron goes with it.
-            let same: Vec<Particle> = on.iter().filter(|p| p.label == particle.label).copied().collect();
-            for p in same {
-                if broken.entry(t).or_default().insert(p) {
-                    open.push((t, p));
-                }
-                let n = mesh.neighbours[t as usize][k];
-                if n == NONE || direct.regular(n as usize).is_none() {
-                    continue;
-                }
-                let there = p.moved(beside(mesh, direct, t, k, n));
-                if broken.entry(n).or_default().insert(there) {
-                    open.push((n, there));
-                }
-            }
-        }
-    }
-    Ok(broken)
-}
-
-/// By how many periods the coordinates of tetrahedron `n` are larger than those of `t`, across its face `k`.
-fn beside(mesh: &TetMesh, direct: &Direct, t: u32, k: usize, n: u32) -> [i32; 3] {
-    let i = TET_FACES[k][0];
-    let v = mesh.tets[t as usize][i];
-    let j = mesh.tets[n as usize].iter().position(|&w| w == v).expect("neighbours share a face");
-    periods(direct.any(t as usize)[i], direct.any(n as usize)[j])
 }

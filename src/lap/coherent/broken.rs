@@ -1,0 +1,128 @@
+//! Which particles of the model's own coordinates would be cut.
+
+use std::collections::{BTreeSet, HashMap, HashSet};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::direct::Direct;
+use super::lifts::{Lifts, Particle};
+use crate::exec::{Cancelled, Exec};
+use crate::mesh::{NONE, TET_FACES, TetMesh, index};
+
+/// The most steps along an edge at which it is looked for particles: edges are a few periods long, and few periods have more
+/// voxels.
+const FINEST: usize = 1024;
+
+/// Particles of each tetrahedron, as its own coordinates see them.
+pub(super) type ByTet = Vec<BTreeSet<Particle>>;
+
+/// By how many periods coordinates `there` are larger than `here`, both of a vertex that they share.
+fn periods(here: DVec3, there: DVec3) -> [i32; 3] {
+    (there - here).round().to_array().map(|d| d as i32)
+}
+
+/// How many steps along the edges of a triangle are a voxel long at most.
+fn order(uvw: &[DVec3], lifts: &Lifts<'_>) -> usize {
+    let longest = (uvw.iter().enumerate())
+        .flat_map(|(n, a)| uvw[..n].iter().map(move |b| ((*a - *b) * lifts.size()).length()))
+        .fold(0.0, f64::max);
+    (longest.ceil() as usize).clamp(2, FINEST)
+}
+
+/// Barycentric coordinates, `order` steps along each edge.
+fn on_face(order: usize) -> impl Iterator<Item = [f64; 3]> {
+    (0..=order).flat_map(move |a| {
+        (0..=order - a).map(move |b| [a, b, order - a - b].map(|n| n as f64 / order as f64))
+    })
+}
+
+/// The particles of which something shows at face `k` of a tetrahedron with these coordinates.
+fn particles_on(lifts: &Lifts<'_>, uvw: &[DVec3; 4], k: usize) -> HashSet<Particle> {
+    let face = TET_FACES[k].map(|i| uvw[i]);
+    let mut found = HashSet::new();
+    let mut last = None;
+    for b in on_face(order(&face, lifts)) {
+        lifts.any_near((0..3).map(|n| face[n] * b[n]).sum(), |p| {
+            if last != Some(p) {
+                found.insert(p);
+                last = Some(p);
+            }
+            false
+        });
+    }
+    found
+}
+
+/// The particles that reach to where coordinates do not go on: into a tetrahedron that is not regular, or to a face where
+/// frames contradict each other. Each is in all tetrahedra into which it goes on from there.
+pub(super) fn broken(
+    mesh: &TetMesh,
+    direct: &Direct,
+    lifts: &Lifts<'_>,
+    exec: &Exec,
+) -> Result<ByTet, Cancelled> {
+    let mut broken: ByTet = vec![BTreeSet::new(); mesh.tets.len()];
+    let mut open: Vec<(u32, Particle)> = Vec::new();
+    let seams: HashSet<(u32, u8)> = direct.seams.iter().copied().collect();
+    // A face of a regular tetrahedron beyond which its coordinates do not go on.
+    let ends: Vec<(u32, usize)> = (0..mesh.tets.len())
+        .filter(|&t| direct.regular(t).is_some())
+        .flat_map(|t| (0..4).map(move |k| (t, k)))
+        .filter(|&(t, k)| {
+            let n = mesh.neighbours[t][k];
+            n != NONE && (direct.regular(n as usize).is_none() || seams.contains(&(index(t), k as u8)))
+        })
+        .map(|(t, k)| (index(t), k))
+        .collect();
+    let found: Vec<(u32, HashSet<Particle>)> =
+        ends.par_iter().map(|&(t, k)| (t, particles_on(lifts, &direct.any(t as usize), k))).collect();
+    for (t, particles) in found {
+        for p in particles {
+            if broken[t as usize].insert(p) {
+                open.push((t, p));
+            }
+        }
+    }
+    // From there they go on, a wave of tetrahedra at a time.
+    let mut on_faces: HashMap<u32, [HashSet<Particle>; 4]> = HashMap::new();
+    while !open.is_empty() {
+        exec.check()?;
+        let new: BTreeSet<u32> = open.iter().map(|o| o.0).filter(|t| !on_faces.contains_key(t)).collect();
+        let looked = new.into_par_iter().map(|t| {
+            let own = direct.any(t as usize);
+            (t, std::array::from_fn(|k| particles_on(lifts, &own, k)))
+        });
+        on_faces.par_extend(looked);
+        for (t, particle) in std::mem::take(&mut open) {
+            // Copies that no box tells apart go together.
+            let compact = lifts.form(particle.label).is_some_and(|form| form.is_compact);
+            for k in 0..4 {
+                let goes = |p: &&Particle| **p == particle || !compact && p.label == particle.label;
+                for &p in on_faces[&t][k].iter().filter(goes) {
+                    if broken[t as usize].insert(p) {
+                        open.push((t, p));
+                    }
+                    let n = mesh.neighbours[t as usize][k];
+                    let goes_on = n != NONE && direct.regular(n as usize).is_some();
+                    if !goes_on || seams.contains(&(t, k as u8)) {
+                        continue;
+                    }
+                    let there = p.moved(beside(mesh, direct, t, k, n));
+                    if broken[n as usize].insert(there) {
+                        open.push((n, there));
+                    }
+                }
+            }
+        }
+    }
+    Ok(broken)
+}
+
+/// By how many periods the coordinates of tetrahedron `n` are larger than those of `t`, across its face `k`.
+fn beside(mesh: &TetMesh, direct: &Direct, t: u32, k: usize, n: u32) -> [i32; 3] {
+    let i = TET_FACES[k][0];
+    let v = mesh.tets[t as usize][i];
+    let j = mesh.tets[n as usize].iter().position(|&w| w == v).expect("neighbours share a face");
+    periods(direct.any(t as usize)[i], direct.any(n as usize)[j])
+}
