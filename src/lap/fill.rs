@@ -9,14 +9,14 @@ use serde::Serialize;
 use super::agreement::agreement;
 use super::assemble::{Stock, assemble, stack};
 use super::clump::{Workspace, paste};
-use super::coherent::{Direct, Unfit, is_wanted, layered};
+use super::coherent;
 use super::coverage::{Alpha, MaskTable, POINTS, sample_lattice};
 use super::fill_error::FillError;
 use super::kind::TextureType;
 use super::mapped;
 use super::measure::{FillMeasures, Fits, sharpness};
 use super::optimise::Given;
-use super::params::{Coherent, FillParams};
+use super::params::FillParams;
 use super::pasted::{Ground, Pasted, Seed};
 use super::seed::{Apart, spots, turn};
 use super::solid::LappedSolid;
@@ -97,20 +97,12 @@ pub fn fill(
         mapped::check(&mesh, given(&fields, kind))?;
         let texture = followed(texture, kind);
         let mut frames = FrameField::new(&mesh, &fields, kind.given());
-        let free = kind.given().map(|given| !given);
-        let wanted = is_wanted(&texture, free, params).map_err(|Unfit(axes)| FillError::NotTiling(axes))?;
-        let mut direct = None;
-        if wanted {
-            let found = coherent(&mesh, &frames, given(&fields, kind), &texture, params, exec);
-            match found {
-                Ok((_, found))
-                    if params.coherent == Coherent::Auto && found.regular_share(&mesh) < REGULAR => {}
-                Ok((agreeing, found)) => (frames, direct) = (agreeing, Some(found)),
-                Err(error @ FillError::Cancelled(_)) => return Err(error),
-                Err(error) if params.coherent == Coherent::True => return Err(error),
-                Err(_) => {}
-            }
-        }
+        let found = coherent::direct(&mesh, &frames, given(&fields, kind), &texture, params, exec)?;
+        let direct = found.map(|(agreeing, direct)| {
+            frames = agreeing;
+            direct
+        });
+        let lifts = direct.as_ref().and_then(|_| coherent::lifts(&texture));
         let masks: Vec<AlphaMask> = match kind.given() {
             [true, _, true] => vec![AlphaMask::cube()],
             [true, _, false] => vec![AlphaMask::slab(&params.mask, seed)],
@@ -131,14 +123,16 @@ pub fn fill(
             Some(patch) => Lapped::whole(patch, &masks),
             None => {
                 check_scale(&mesh, &frames, &texture, params)?;
-                lap(&ground, seed, exec)?
+                lap(&ground, lifts.is_some(), seed, exec)?
             }
         };
         let everywhere = index(masks.len() + lapped.own.len());
         let mut exemplars = vec![Arc::clone(&texture)];
         let mut choices = Vec::new();
         if let Some(direct) = &direct {
-            let mut layered = layered(&ground, direct, &texture, &mut lapped, everywhere, exec)?;
+            let lifts = lifts.as_ref();
+            let mut layered =
+                coherent::layered(&ground, direct, &texture, lifts, &mut lapped, everywhere, exec)?;
             for pasted in &mut layered.pasted {
                 lapped.fit.add(&std::mem::take(&mut pasted.fit));
             }
@@ -160,7 +154,7 @@ pub fn fill(
         let mut measures = FillMeasures::new(&solid, &lapped.fit, lapped.uncovered, given(&fields, kind));
         measures.regular_share = regular;
         measures.frame_seams = direct.as_ref().map(|d| d.seams.len() / 2);
-        agreement(&solid, free, &mut measures, seed, exec)?;
+        agreement(&solid, kind.given().map(|given| !given), &mut measures, seed, exec)?;
         measures.sharpness = sharpness(&solid, seed, exec)?;
         let report = FillReport {
             tetrahedra: solid.mesh.tets.len(),
@@ -172,25 +166,6 @@ pub fn fill(
         };
         Ok((solid, report))
     })
-}
-
-/// By itself a fill is coherent only where this part of the model can have one layer: too much is left out of others.
-const REGULAR: f64 = 0.9;
-
-/// Frames that agree, and the coordinates that follow them.
-fn coherent(
-    mesh: &TetMesh,
-    frames: &FrameField,
-    given: Given<'_>,
-    texture: &SolidTexture,
-    params: &FillParams,
-    exec: &Exec,
-) -> Result<(FrameField, Direct), FillError> {
-    check_scale(mesh, frames, texture, params)?;
-    let (frames, direct) = Direct::new(mesh, frames.clone(), given, params, exec)?;
-    // Rows that keep their number have other lengths.
-    check_scale(mesh, &frames, texture, params)?;
-    Ok((frames, direct))
 }
 
 /// The texture without wrapping along the axes that follow a field: at either end of the field the outermost voxels
@@ -252,7 +227,7 @@ fn check(mesh: &TetMesh, kind: TextureType, fields: &Fields, params: &FillParams
     Ok(())
 }
 
-fn check_scale(
+pub(super) fn check_scale(
     mesh: &TetMesh,
     frames: &FrameField,
     texture: &SolidTexture,
@@ -320,8 +295,9 @@ impl Lapped {
     }
 }
 
-/// Pastes patches until every lattice point is covered.
-fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError> {
+/// Pastes patches until every lattice point is covered; or, where only single particles of them are taken, until each
+/// tetrahedron is `reached` by one.
+fn lap(ground: &Ground<'_>, reached: bool, seed: u64, exec: &Exec) -> Result<Lapped, FillError> {
     let mesh = ground.mesh;
     let count = mesh.tets.len();
     let mut coverage = vec![0u8; count * POINTS];
@@ -373,6 +349,7 @@ fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError>
                 for (t, alpha) in pasted.tets.iter().zip(&pasted.alpha) {
                     let cover = &mut coverage[*t as usize * POINTS..][..POINTS];
                     match alpha {
+                        _ if reached => cover.fill(255),
                         Alpha::Nothing => {}
                         Alpha::Opaque => cover.fill(255),
                         Alpha::Partial(alpha) => {

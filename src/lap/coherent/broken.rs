@@ -1,6 +1,6 @@
 //! Which particles of the model's own coordinates would be cut.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeSet, HashSet};
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -54,6 +54,18 @@ fn particles_on(lifts: &Lifts<'_>, uvw: &[DVec3; 4], k: usize) -> HashSet<Partic
     found
 }
 
+/// Whether something of a particle shows at face `k` of a tetrahedron with these coordinates.
+fn shows_on(lifts: &Lifts<'_>, uvw: &[DVec3; 4], k: usize, particle: Particle) -> bool {
+    let face = TET_FACES[k].map(|i| uvw[i]);
+    let Some((middle, reach)) = lifts.around(particle) else { return false };
+    let is_near = |place: DVec3| (place - middle).abs().cmple(reach).all();
+    let (low, high) = face.into_iter().fold((face[0], face[0]), |(low, high), w| (low.min(w), high.max(w)));
+    (low.cmple(middle + reach) & high.cmpge(middle - reach)).all()
+        && on_face(order(&face, lifts))
+            .map(|b| (0..3).map(|n| face[n] * b[n]).sum())
+            .any(|place| is_near(place) && lifts.any_near(place, |p| p == particle))
+}
+
 /// The particles that reach to where coordinates do not go on: into a tetrahedron that is not regular, or to a face where
 /// frames contradict each other. Each is in all tetrahedra into which it goes on from there.
 pub(super) fn broken(
@@ -84,37 +96,24 @@ pub(super) fn broken(
             }
         }
     }
-    // From there they go on, a wave of tetrahedra at a time.
-    let mut on_faces: HashMap<u32, [HashSet<Particle>; 4]> = HashMap::new();
+    // From there they go on, a wave of particles at a time.
     while !open.is_empty() {
-        exec.check()?;
-        let new: BTreeSet<u32> = open.iter().map(|o| o.0).filter(|t| !on_faces.contains_key(t)).collect();
-        let looked = new.into_par_iter().map(|t| {
+        let goes_on = |&(t, p): &(u32, Particle)| -> Result<Vec<(u32, Particle)>, Cancelled> {
+            exec.check()?;
             let own = direct.any(t as usize);
-            (t, std::array::from_fn(|k| particles_on(lifts, &own, k)))
-        });
-        on_faces.par_extend(looked);
-        for (t, particle) in std::mem::take(&mut open) {
+            let beyond = |k: usize| {
+                let n = mesh.neighbours[t as usize][k];
+                let ends = n == NONE || direct.regular(n as usize).is_none() || seams.contains(&(t, k as u8));
+                (!ends && shows_on(lifts, &own, k, p))
+                    .then(|| (n, p.moved(beside(mesh, direct, t, k, n))))
+            };
             // Copies that no box tells apart go together.
-            let compact = lifts.form(particle.label).is_some_and(|form| form.is_compact);
-            for k in 0..4 {
-                let goes = |p: &&Particle| **p == particle || !compact && p.label == particle.label;
-                for &p in on_faces[&t][k].iter().filter(goes) {
-                    if broken[t as usize].insert(p) {
-                        open.push((t, p));
-                    }
-                    let n = mesh.neighbours[t as usize][k];
-                    let goes_on = n != NONE && direct.regular(n as usize).is_some();
-                    if !goes_on || seams.contains(&(t, k as u8)) {
-                        continue;
-                    }
-                    let there = p.moved(beside(mesh, direct, t, k, n));
-                    if broken[n as usize].insert(there) {
-                        open.push((n, there));
-                    }
-                }
-            }
-        }
+            let form = lifts.form(p.label).filter(|form| !form.is_compact);
+            let copies = form.into_iter().flat_map(|_| lifts.copies_in(p.label, &own)).map(|p| (t, p));
+            Ok((0..4).filter_map(beyond).chain(copies).collect())
+        };
+        let found: Vec<Vec<(u32, Particle)>> = open.par_iter().map(goes_on).collect::<Result<_, _>>()?;
+        open = found.into_iter().flatten().filter(|(t, p)| broken[*t as usize].insert(*p)).collect();
     }
     Ok(broken)
 }

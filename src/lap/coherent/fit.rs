@@ -217,7 +217,7 @@ impl<'a> Mason<'a> {
             return false;
         }
         // A small one has points enough if some are left out.
-        let step = (size.element_product().powf(-2.0 / 3.0) as usize).max(1);
+        let step = (size.max_element().powi(-2) as usize).max(1);
         let count = c.form.points.len();
         let in_the_way =
             (0..FIRST.min(count)).chain((FIRST..count).step_by(step)).find(|&point| !is_free(point));

@@ -23,7 +23,7 @@ impl Particle {
 }
 
 /// Tells copies of particles apart.
-pub(super) struct Lifts<'a> {
+pub(in crate::lap) struct Lifts<'a> {
     size: [usize; 3],
     tiles: [bool; 3],
     labels: &'a [u32],
@@ -72,6 +72,26 @@ impl<'a> Lifts<'a> {
     /// The first copy of a particle.
     pub(super) fn form(&self, label: u32) -> Option<&Form> {
         self.forms.get(&label)
+    }
+
+    /// A box around a particle, its middle and how far it reaches from there, with all that blends with it.
+    pub(super) fn around(&self, particle: Particle) -> Option<(DVec3, DVec3)> {
+        let form = self.form(particle.label)?;
+        let cell = DVec3::from_array(particle.cell.map(f64::from));
+        Some((form.middle + cell, form.reach + 0.5 / self.size()))
+    }
+
+    /// The copies of a particle that may reach into a tetrahedron with these coordinates.
+    pub(super) fn copies_in(&self, label: u32, uvw: &[DVec3; 4]) -> impl Iterator<Item = Particle> + use<> {
+        let low = uvw.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = uvw.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let (middle, reach) = self.around(Particle { label, cell: [0; 3] }).unwrap_or_default();
+        let tiles = DVec3::from_array(self.tiles.map(|tiles| f64::from(u8::from(tiles))));
+        let from = ((low - middle - reach).ceil() * tiles).as_ivec3();
+        let to = ((high - middle + reach).floor() * tiles).as_ivec3();
+        (from.x..=to.x)
+            .flat_map(move |x| (from.y..=to.y).flat_map(move |y| (from.z..=to.z).map(move |z| [x, y, z])))
+            .map(move |cell| Particle { label, cell })
     }
 
     /// The particles that a box of one period tells apart from their copies, with their labels.

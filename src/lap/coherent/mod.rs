@@ -20,14 +20,60 @@ mod structure;
 mod whole;
 
 pub(super) use direct::Direct;
-use lifts::Lifts;
-pub(super) use structure::{Unfit, is_wanted};
+pub(super) use lifts::Lifts;
 pub(super) use whole::Layered;
 
-use super::fill::Lapped;
+use super::fill::{Lapped, check_scale};
+use super::fill_error::FillError;
+use super::optimise::Given;
+use super::params::{Coherent, FillParams};
 use super::pasted::Ground;
 use crate::exec::{Cancelled, Exec};
+use crate::field::FrameField;
+use crate::mesh::TetMesh;
 use crate::volume::SolidTexture;
+use structure::{Unfit, is_wanted};
+
+/// By itself a fill is coherent only where this part of the model can have one layer: too much is left out of others.
+const REGULAR: f64 = 0.9;
+
+/// Where a fill is to be coherent: frames that agree, and the coordinates that follow them.
+///
+/// # Errors
+/// What stands against it, where it is asked for; [`FillError::Cancelled`].
+pub(super) fn direct(
+    mesh: &TetMesh,
+    frames: &FrameField,
+    given: Given<'_>,
+    texture: &SolidTexture,
+    params: &FillParams,
+    exec: &Exec,
+) -> Result<Option<(FrameField, Direct)>, FillError> {
+    let free = given.map(|field| field.is_none());
+    if !is_wanted(texture, free, params).map_err(|Unfit(axes)| FillError::NotTiling(axes))? {
+        return Ok(None);
+    }
+    let found = check_scale(mesh, frames, texture, params).and_then(|()| {
+        let (frames, direct) = Direct::new(mesh, frames.clone(), given, params, exec)?;
+        // Rows that keep their number have other lengths.
+        check_scale(mesh, &frames, texture, params)?;
+        Ok((frames, direct))
+    });
+    match found {
+        Err(error @ FillError::Cancelled(_)) => Err(error),
+        Ok(found) if params.coherent == Coherent::True || found.1.regular_share(mesh) >= REGULAR => {
+            Ok(Some(found))
+        }
+        Err(error) if params.coherent == Coherent::True => Err(error),
+        _ => Ok(None),
+    }
+}
+
+/// The particles of a texture, where single ones of them can be taken.
+pub(super) fn lifts(texture: &SolidTexture) -> Option<Lifts<'_>> {
+    let labels = texture.labels().filter(|labels| matrix::has_matrix(labels))?;
+    Lifts::new(texture, labels)
+}
 
 /// What is pasted over a model: the coordinates themselves where they are regular, and around the other tetrahedra what
 /// of the patches that were lapped there can be seen. `everywhere` is the number of the mask that is opaque everywhere.
@@ -35,14 +81,16 @@ pub(super) fn layered(
     ground: &Ground<'_>,
     direct: &Direct,
     texture: &SolidTexture,
+    lifts: Option<&Lifts<'_>>,
     lapped: &mut Lapped,
     everywhere: u32,
     exec: &Exec,
 ) -> Result<Layered, Cancelled> {
-    let _stage = exec.stage("whole particles", 0);
-    let labels = texture.labels().filter(|labels| matrix::has_matrix(labels));
-    match labels.and_then(|labels| Lifts::new(texture, labels)) {
-        Some(lifts) => whole::layered(ground, direct, texture, &lifts, lapped, everywhere, exec),
+    match lifts {
+        Some(lifts) => {
+            let _stage = exec.stage("whole particles", 0);
+            whole::layered(ground, direct, texture, lifts, lapped, everywhere, exec)
+        }
         None => Ok(regular::layered(ground, direct, texture, lapped, everywhere)),
     }
 }

@@ -12,7 +12,7 @@ use super::broken::{ByTet, broken};
 use super::chart::coordinates;
 use super::direct::Direct;
 use super::fit::{Holes, fitting};
-use super::lifts::{Lifts, Particle};
+use super::lifts::Lifts;
 use super::matrix::matrix;
 use crate::exec::{Cancelled, Exec};
 use crate::lap::fill::Lapped;
@@ -143,25 +143,17 @@ fn kept(direct: &Direct, lifts: &Lifts<'_>, broken: &ByTet, everywhere: u32) -> 
     let mut kept: BTreeMap<u32, Pasted> = BTreeMap::new();
     for (t, broken) in broken.iter().enumerate().filter(|(_, broken)| !broken.is_empty()) {
         let Some(own) = direct.regular(t) else { continue };
-        let low = own.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let high = own.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
         let labels: BTreeSet<u32> = broken.iter().map(|p| p.label).collect();
         for label in labels {
             let Some(form) = lifts.form(label).filter(|form| form.is_compact) else { continue };
-            let reach = form.reach + 0.5 / lifts.size();
-            let from = ((low - form.middle - reach).ceil() * free).as_ivec3();
-            let to = ((high - form.middle + reach).floor() * free).as_ivec3();
-            let cells = (from.x..=to.x).flat_map(|x| {
-                (from.y..=to.y).flat_map(move |y| (from.z..=to.z).map(move |z| [x, y, z]))
-            });
-            for cell in cells.filter(|&cell| !broken.contains(&Particle { label, cell })) {
-                let shift = (form.middle - 0.5) * free;
+            let shift = (form.middle - 0.5) * free;
+            for copy in lifts.copies_in(label, &own).filter(|p| !broken.contains(p)) {
                 let copies = kept.entry(label).or_insert_with(|| Pasted {
                     shift: shift.as_vec3().to_array(),
                     ..layer(Vec::new(), Vec::new(), everywhere + 1)
                 });
                 copies.tets.push(index(t));
-                copies.uvw.push(near(own.map(|w| w - DVec3::from_array(cell.map(f64::from)) - shift)));
+                copies.uvw.push(near(own.map(|w| w - DVec3::from_array(copy.cell.map(f64::from)) - shift)));
             }
         }
     }
