@@ -451,7 +451,7 @@ impl<'a> Clump<'a> {
 
     fn paste(&self, coverage: &[u8]) -> Pasted {
         let mesh = self.ground.mesh;
-        let own = self.feathered();
+        let own = if self.ground.reached { None } else { self.feathered() };
         let own_table = own.as_ref().map(MaskTable::new);
         let mask = own.as_ref().unwrap_or(self.mask);
         let table = own_table.as_ref().unwrap_or(self.table);
@@ -471,6 +471,7 @@ impl<'a> Clump<'a> {
             let (alpha, present) = match table.over_points(&uvw) {
                 Presence::Absent => continue,
                 Presence::Opaque => (Alpha::Opaque, true),
+                Presence::Partial if self.ground.reached => (Alpha::Opaque, true),
                 Presence::Partial => {
                     sample_lattice(mask, &uvw, &coverage[m.tet as usize * POINTS..][..POINTS])
                 }

@@ -118,12 +118,13 @@ pub fn fill(
             tables: &tables,
             params,
             direct: direct.as_ref(),
+            reached: lifts.is_some(),
         };
         let mut lapped = match mapped::one_patch(&ground) {
             Some(patch) => Lapped::whole(patch, &masks),
             None => {
                 check_scale(&mesh, &frames, &texture, params)?;
-                lap(&ground, lifts.is_some(), seed, exec)?
+                lap(&ground, seed, exec)?
             }
         };
         let everywhere = index(masks.len() + lapped.own.len());
@@ -296,8 +297,8 @@ impl Lapped {
 }
 
 /// Pastes patches until every lattice point is covered; or, where only single particles of them are taken, until each
-/// tetrahedron is `reached` by one.
-fn lap(ground: &Ground<'_>, reached: bool, seed: u64, exec: &Exec) -> Result<Lapped, FillError> {
+/// tetrahedron is reached by one.
+fn lap(ground: &Ground<'_>, seed: u64, exec: &Exec) -> Result<Lapped, FillError> {
     let mesh = ground.mesh;
     let count = mesh.tets.len();
     let mut coverage = vec![0u8; count * POINTS];
@@ -349,7 +350,6 @@ fn lap(ground: &Ground<'_>, reached: bool, seed: u64, exec: &Exec) -> Result<Lap
                 for (t, alpha) in pasted.tets.iter().zip(&pasted.alpha) {
                     let cover = &mut coverage[*t as usize * POINTS..][..POINTS];
                     match alpha {
-                        _ if reached => cover.fill(255),
                         Alpha::Nothing => {}
                         Alpha::Opaque => cover.fill(255),
                         Alpha::Partial(alpha) => {

@@ -25,6 +25,8 @@ pub(super) struct Ground<'a> {
     pub(super) params: &'a FillParams,
     /// Coordinates over the whole model to which patches keep, where the fill is to be coherent.
     pub(super) direct: Option<&'a Direct>,
+    /// Whether of the patches only single particles are taken: then each tetrahedron must be reached by one, not covered.
+    pub(super) reached: bool,
 }
 
 /// Where a patch begins.

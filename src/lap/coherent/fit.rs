@@ -33,6 +33,10 @@ const WORTH: f64 = 0.5;
 const SPACING: f64 = 0.05;
 /// The most places in a tetrahedron.
 const PLACES: usize = 60;
+/// How often places are looked for in what is left.
+const ROUNDS: usize = 2;
+/// Steps with which is looked how much room there is, in voxels.
+const STEP: f64 = 2.0;
 /// The particles of a patch are taken where it is stretched by at most this, either way, ...
 const STRETCH: f64 = 1.8;
 /// ... and the determinant of J·\[R S T\] is at least this part of the product of its columns' lengths.
@@ -115,14 +119,20 @@ pub(super) fn fitting(
     }
     drop(of_patches);
     exec.check()?;
-    let mut others: Vec<(usize, Straight<'_>, Candidate<'_>)> = (mason.others().into_par_iter())
-        .filter_map(|(chart, c)| Some((mason.first(&chart, None, &c)?, chart, c)))
-        .collect();
-    others.sort_by_key(|other| other.0);
-    let before = mason.placed.len();
-    for (size, chart, candidate) in &others {
+    for round in 0..ROUNDS {
         exec.check()?;
-        mason.put(chart, None, candidate, *size, before);
+        let mut others: Vec<(usize, Straight<'_>, Candidate<'_>)> = (mason.others(round).into_par_iter())
+            .filter_map(|(chart, c)| {
+                let c = mason.centred(&chart, c);
+                Some((mason.first(&chart, None, &c)?, chart, c))
+            })
+            .collect();
+        others.sort_by_key(|other| other.0);
+        let before = mason.placed.len();
+        for (size, chart, candidate) in &others {
+            exec.check()?;
+            mason.put(chart, None, candidate, *size, before);
+        }
     }
     Ok(mason.placed)
 }
@@ -202,16 +212,7 @@ impl<'a> Mason<'a> {
         let mut slot = c.slot;
         let mut is_free = |point: usize| {
             let place = c.at + (c.form.points[point] - c.form.middle) * size;
-            match chart.walk(slot, place) {
-                Ok(Some((at, b))) => {
-                    slot = at;
-                    let t = chart.tet(slot);
-                    (since > 0 || !self.holes.is_own(t, &b)) && !self.is_full(t, &b, of, since)
-                }
-                // What sticks out of the model is not seen.
-                Ok(None) => true,
-                Err(()) => false,
-            }
+            self.is_free(chart, &mut slot, place, of, since)
         };
         if !is_free(*last) {
             return false;
@@ -223,6 +224,44 @@ impl<'a> Mason<'a> {
             (0..FIRST.min(count)).chain((FIRST..count).step_by(step)).find(|&point| !is_free(point));
         *last = in_the_way.unwrap_or(*last);
         in_the_way.is_none()
+    }
+
+    /// Whether nothing that stays is at a place, to which is gone from a `slot`.
+    fn is_free(
+        &self,
+        chart: &impl Chart,
+        slot: &mut usize,
+        place: DVec3,
+        of: Option<usize>,
+        since: usize,
+    ) -> bool {
+        match chart.walk(*slot, place) {
+            Ok(Some((at, b))) => {
+                *slot = at;
+                let t = chart.tet(at);
+                (since > 0 || !self.holes.is_own(t, &b)) && !self.is_full(t, &b, of, since)
+            }
+            // What sticks out of the model is not seen.
+            Ok(None) => true,
+            Err(()) => false,
+        }
+    }
+
+    /// The candidate moved to where there is as much room on either side of it along each free axis, as far as it reaches.
+    fn centred<'c>(&self, chart: &impl Chart, mut c: Candidate<'c>) -> Candidate<'c> {
+        for axis in (0..3).filter(|&axis| self.holes.direct.free()[axis]) {
+            let step = DVec3::AXES[axis] * STEP / self.holes.lifts.size();
+            let far = ((c.form.reach + self.joint)[axis] / step[axis]).ceil() as usize;
+            let room = [step, -step].map(|step| {
+                let mut slot = c.slot;
+                (1..=far).find(|&n| !self.is_free(chart, &mut slot, c.at + step * n as f64, None, 0)).unwrap_or(far)
+            });
+            let at = c.at + step * 0.5 * (room[0] as f64 - room[1] as f64);
+            if let Ok(Some((slot, _))) = chart.walk(c.slot, at) {
+                (c.slot, c.at) = (slot, at);
+            }
+        }
+        c
     }
 
     /// Whether one that is in lies at a point, which is not of the same patch and came after as many others.
@@ -261,7 +300,7 @@ impl<'a> Mason<'a> {
     }
 
     /// Particles at places of holes where nothing is yet, as straight as the frame is there.
-    fn others(&self) -> Vec<(Straight<'a>, Candidate<'a>)> {
+    fn others(&self, round: usize) -> Vec<(Straight<'a>, Candidate<'a>)> {
         let (holes, free) = (self.holes, self.free_axes());
         let stock: Vec<(u32, &Form)> = holes.lifts.compact().collect();
         if stock.is_empty() {
@@ -276,7 +315,7 @@ impl<'a> Mason<'a> {
             let places = ((volume / spacing).ceil() as usize).min(PLACES);
             let stock = &stock;
             (0..places).filter_map(move |n| {
-                let b = anywhere_inside(&mut numbers(0x0D1E_5EED_7A6E_0051, t as usize * PLACES + n));
+                let b = anywhere_inside(&mut numbers(0x0D1E_5EED_7A6E_0051 + round as u64, t as usize * PLACES + n));
                 if !holes.is_open(t, &b) || self.is_full(t, &b, None, 0) {
                     return None;
                 }
@@ -287,7 +326,7 @@ impl<'a> Mason<'a> {
                 let place = mean(chart.coordinates(slot));
                 // Along an axis that is given a particle stays where it is.
                 let fits = |form: &Form| ((place - form.middle).abs().cmple(form.reach) | free).all();
-                let from = mix(u64::from(t), n as u64, 0) as usize % stock.len();
+                let from = mix(u64::from(t), n as u64, round as u64) as usize % stock.len();
                 let (label, form) =
                     stock[from..].iter().chain(&stock[..from]).copied().find(|(_, form)| fits(form))?;
                 let at = DVec3::select(free, DVec3::ZERO, form.middle);

@@ -35,7 +35,7 @@ use crate::volume::SolidTexture;
 use structure::{Unfit, is_wanted};
 
 /// By itself a fill is coherent only where this part of the model can have one layer: too much is left out of others.
-const REGULAR: f64 = 0.9;
+const REGULAR: f64 = 0.75;
 
 /// Where a fill is to be coherent: frames that agree, and the coordinates that follow them.
 ///
