@@ -59,7 +59,7 @@ fn frames_that_fall_together_and_holes_all_over_do_no_harm() {
         }
         let regular = asked["measures"]["regular_share"].as_f64().unwrap();
         assert!(asked["measures"]["particles_cut"].as_f64() < Some(0.01), "{asked}");
-        assert_eq!(auto["measures"]["regular_share"].is_number(), regular >= 0.9, "{regular}");
+        assert_eq!(auto["measures"]["regular_share"].is_number(), regular >= 0.75, "{regular}");
     }
 }
 

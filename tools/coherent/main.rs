@@ -62,37 +62,32 @@ fn main() -> ExitCode {
         }
         let mut table = HEADER.to_owned();
         for (name, project) in SHAPES.into_iter().filter(|s| arguments.wants(s.0)) {
-            let mesh = match name {
-                "tube" => include_bytes!("../../meshes/tube.obj").to_vec(),
-                "column" => shapes::column(),
-                "arch" => shapes::arch(),
-                "torus" => shapes::torus(),
-                _ => fs::read(arguments.folder.join("meshes/spot.obj"))?,
-            };
-            write_whole(&out.join(format!("{name}.obj")), &mesh)?;
+            write_whole(&out.join(format!("{name}.obj")), &mesh(name, &arguments.folder)?)?;
             make(name, project, out, &mut table)?;
         }
         write_whole(&out.join("table.md"), table.as_bytes())?;
         if arguments.wants("times") {
-            write_whole(&out.join("times.md"), times(out)?.as_bytes())?;
+            write_whole(&out.join("times.md"), times(out, &arguments.folder)?.as_bytes())?;
         }
         Ok(())
     })
 }
 
-/// How long fills of the tube take, by tetrahedra.
-fn times(out: &Path) -> Result<String, Box<dyn Error>> {
-    let mut table = "| tetrahedra | each for itself | coherent | ratio |\n|---|---|---|---|\n".to_owned();
-    let (_, text) = SHAPES[0];
-    // The fields alone: nothing is cut and drawn.
-    let fields = text.split("[[cut]]").next().unwrap_or(text);
-    write_whole(&out.join("tube.obj"), include_bytes!("../../meshes/tube.obj"))?;
-    for tets in [10_000, 100_000, 1_000_000] {
+/// How long fills take: of the tube by tetrahedra, and of the others at a hundred thousand.
+fn times(out: &Path, folder: &Path) -> Result<String, Box<dyn Error>> {
+    let mut table = "| | tetrahedra | each for itself | rows keep | ratio | rows end | ratio |\n".to_owned();
+    table.push_str("|---|---|---|---|---|---|---|\n");
+    let sizes = [10_000, 100_000, 1_000_000].map(|tets| (SHAPES[0], tets));
+    for ((name, text), tets) in sizes.into_iter().chain(SHAPES[1..].iter().map(|s| (*s, 100_000))) {
+        write_whole(&out.join(format!("{name}.obj")), &mesh(name, folder)?)?;
+        // The fields alone: nothing is cut and drawn.
+        let fields = text.split("[[cut]]").next().unwrap_or(text);
+        let asked = fields.lines().find(|l| l.starts_with("tets")).ok_or("the project has no tets")?;
         let mut seconds = Vec::new();
         let mut count = 0.0;
-        for keys in ["coherent = false", "coherent = true"] {
+        for (_, keys) in [WAYS[0], WAYS[2], WAYS[1]] {
             let file = out.join("times.toml");
-            let text = fields.replace("tets = 6000", &format!("tets = {tets}"));
+            let text = fields.replace(asked, &format!("tets = {tets}"));
             let text = text.replace("[scale]", &format!("[fill]\n{keys}\n\n[scale]"));
             write_whole(&file, format!("picture = []\n{text}\n[export]\nformats = []\n").as_bytes())?;
             let options = RunOptions { mesher: Mesher::find(None), seed: None, force: true };
@@ -102,12 +97,29 @@ fn times(out: &Path) -> Result<String, Box<dyn Error>> {
             let number = |key| find(&report, key).and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
             seconds.push(number("fill"));
             count = number("tetrahedra");
-            eprintln!("{tets}, {keys}: {:.2} s", number("fill"));
+            eprintln!("{name}, {tets}, {keys}: {:.2} s", number("fill"));
         }
-        let ratio = seconds[1] / seconds[0];
-        writeln!(table, "| {count} | {:.2} s | {:.2} s | {ratio:.2} |", seconds[0], seconds[1])?;
+        let ratio = |n: usize| seconds[n] / seconds[0];
+        let [plain, keep, end] = [0, 1, 2].map(|n| format!("{:.2} s", seconds[n]));
+        writeln!(
+            table,
+            "| {name} | {count} | {plain} | {keep} | {:.2} | {end} | {:.2} |",
+            ratio(1),
+            ratio(2)
+        )?;
     }
     Ok(table)
+}
+
+/// The mesh of a shape.
+fn mesh(name: &str, folder: &Path) -> std::io::Result<Vec<u8>> {
+    Ok(match name {
+        "tube" => include_bytes!("../../meshes/tube.obj").to_vec(),
+        "column" => shapes::column(),
+        "arch" => shapes::arch(),
+        "torus" => shapes::torus(),
+        _ => fs::read(folder.join("meshes/spot.obj"))?,
+    })
 }
 
 /// The bricks of the photograph, turned so that courses follow each other along z and y goes into the wall.
@@ -145,14 +157,16 @@ fn make(name: &str, text: &str, out: &Path, table: &mut String) -> Result<(), Bo
         let start = Instant::now();
         let report = serde_json::to_value(project::run(&project, &folder, &options, &Exec::default())?)?;
         eprintln!("{name}, {way}: {:.1} s {report}", start.elapsed().as_secs_f64());
-        table.push_str(&row(name, way, &report)?);
         let model = LappedSolid::read(&folder.join(format!("{name}.lapis")))?;
-        for (what, axis, ring) in rings(name) {
-            match periods(&model, axis, &ring) {
-                Some(turns) => eprintln!("{name}, {way}: {turns:.6} periods {what}"),
-                None => eprintln!("{name}, {way}: no count {what}, for rows end on the way"),
-            }
-        }
+        let around: Vec<String> = (rings(name).into_iter())
+            .map(|(what, axis, ring)| {
+                let turns = periods(&model, axis, &ring);
+                let turns = turns.map_or_else(|| "ends".to_owned(), |turns| format!("{turns:.3}"));
+                eprintln!("{name}, {way}: {turns} periods {what}");
+                turns
+            })
+            .collect();
+        table.push_str(&row(name, way, &report, &around.join(", "))?);
         let read = |name: &str| -> Result<Picture, Box<dyn Error>> {
             square(&Picture::from_png(&fs::read(folder.join(format!("{name}.png")))?)?)
         };
@@ -169,7 +183,10 @@ fn rings(name: &str) -> Vec<Ring> {
     let circle = |at: &dyn Fn(f64, f64) -> DVec3| -> Vec<DVec3> {
         (0..=1440).map(|n| TAU * f64::from(n) / 1440.0).map(|angle| at(angle.cos(), angle.sin())).collect()
     };
+    // Beside the middle line of the tube, a little flat as it is.
+    let tube = |radius: f64| circle(&|c, s| DVec3::new(0.0, 0.96 * radius * c, 1.03 * radius * s));
     match name {
+        "tube" => vec![("around the skin", 2, tube(22.0)), ("around the hollow", 2, tube(14.0))],
         "column" => vec![
             ("around the skin, low", 0, circle(&|c, s| DVec3::new(29.3 * c, 29.3 * s, 11.0))),
             ("around the skin, high", 0, circle(&|c, s| DVec3::new(29.3 * c, 29.3 * s, 60.0))),
@@ -207,11 +224,11 @@ fn square(picture: &Picture) -> Result<Picture, Box<dyn Error>> {
     Ok(Picture { width: side, height: side, rgba: (0..side * side).map(pixel).collect() })
 }
 
-const HEADER: &str = "| | | regular | layers | patches | sharpness | particles cut | disagreement, mean and 95 % | angle | stretch, 5 % and 95 % |
-|---|---|---|---|---|---|---|---|---|---|
+const HEADER: &str = "| | | regular | layers | patches | sharpness | particles cut | particles kept | disagreement, mean and 95 % | angle | stretch, 5 % and 95 % | periods around rings |
+|---|---|---|---|---|---|---|---|---|---|---|---|
 ";
 
-fn row(name: &str, way: &str, report: &serde_json::Value) -> Result<String, std::fmt::Error> {
+fn row(name: &str, way: &str, report: &serde_json::Value, rings: &str) -> Result<String, std::fmt::Error> {
     let number = |key: &str, digits: usize| {
         find(report, key)
             .and_then(serde_json::Value::as_f64)
@@ -222,16 +239,18 @@ fn row(name: &str, way: &str, report: &serde_json::Value) -> Result<String, std:
     let regular = regular.map_or_else(|| "–".to_owned(), |r| format!("{:.2} %", 100.0 * r));
     writeln!(
         line,
-        "| {name} | {way} | {regular} | {} | {} | {} | {} | {}, {} | {}° | {}, {} |",
+        "| {name} | {way} | {regular} | {} | {} | {} | {} | {} | {}, {} | {}° | {}, {} | {} |",
         number("layers_mean", 2),
         number("patches", 0),
         number("sharpness", 3),
         number("particles_cut", 4),
+        number("particles_kept", 3),
         number("disagreement_mean", 3),
         number("disagreement_p95", 3),
         number("angle_mean_deg", 1),
         number("stretch_p5", 2),
         number("stretch_p95", 2),
+        if rings.is_empty() { "–" } else { rings },
     )?;
     Ok(line)
 }

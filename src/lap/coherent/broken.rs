@@ -104,8 +104,7 @@ pub(super) fn broken(
             let beyond = |k: usize| {
                 let n = mesh.neighbours[t as usize][k];
                 let ends = n == NONE || direct.regular(n as usize).is_none() || seams.contains(&(t, k as u8));
-                (!ends && shows_on(lifts, &own, k, p))
-                    .then(|| (n, p.moved(beside(mesh, direct, t, k, n))))
+                (!ends && shows_on(lifts, &own, k, p)).then(|| (n, p.moved(beside(mesh, direct, t, k, n))))
             };
             // Copies that no box tells apart go together.
             let form = lifts.form(p.label).filter(|form| !form.is_compact);

@@ -122,6 +122,7 @@ impl<'a> Lifts<'a> {
     }
 
     /// Whether any of the particles of which something shows at a point, where colours blend between voxels, is such a one.
+    /// Some may be asked for twice.
     pub(super) fn any_near(&self, uvw: DVec3, mut is: impl FnMut(Particle) -> bool) -> bool {
         let low = (uvw * self.size() - 0.5).floor().to_array();
         let [x, y, z] = [0, 1, 2].map(|n| [0, 1].map(|step| self.voxel(n, low[n] as i64 + step)));
@@ -194,6 +195,7 @@ mod tests {
                 all.push(p);
                 false
             });
+            all.dedup();
             all
         };
         assert_eq!((near(3.6), near(2.6), near(2.4)), (vec![here], vec![here], vec![at(1.0, 0.2).unwrap()]));

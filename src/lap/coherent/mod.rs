@@ -13,6 +13,7 @@ mod direct;
 mod fit;
 mod form;
 mod lifts;
+mod mason;
 mod matrix;
 mod regular;
 mod seam;

@@ -45,8 +45,7 @@ pub(super) fn seam(
             let at = [v % SIZE, v / SIZE % SIZE, v / SIZE / SIZE].map(|c| (c as f64 + 0.5) / SIZE as f64);
             let alpha = mask.sample(at.map(|c| c as f32));
             let place = DVec3::from_array(at) + shift;
-            let Some((found, b)) =
-                (alpha > 0.0).then(|| sheet.walk(slot, place).ok().flatten()).flatten()
+            let Some((found, b)) = (alpha > 0.0).then(|| sheet.walk(slot, place).ok().flatten()).flatten()
             else {
                 return Voxel::Outside;
             };
