@@ -23,7 +23,7 @@ use std::time::Instant;
 use glam::DVec3;
 use lapis::exec::Exec;
 use lapis::files::write_whole;
-use lapis::lap::LappedSolid;
+use lapis::lap::{LappedSolid, interpolate};
 use lapis::mesh::{Mesher, TetLocator};
 use lapis::particles::{
     ClassParams, EditParams, MaskParams, ParticleExemplars, ParticleParams, Recolour, Tiling, make_mask,
@@ -160,7 +160,7 @@ fn make(name: &str, text: &str, out: &Path, table: &mut String) -> Result<(), Bo
         let model = LappedSolid::read(&folder.join(format!("{name}.lapis")))?;
         let around: Vec<String> = (rings(name).into_iter())
             .map(|(what, axis, ring)| {
-                let turns = periods(&model, axis, &ring);
+                let turns = periods(&model, axis, &ring, n > 0);
                 let turns = turns.map_or_else(|| "ends".to_owned(), |turns| format!("{turns:.3}"));
                 eprintln!("{name}, {way}: {turns} periods {what}");
                 turns
@@ -201,12 +201,16 @@ fn rings(name: &str) -> Vec<Ring> {
     }
 }
 
-/// By how many periods the texture goes on around a ring that closes; `None` where it steps, or leaves the model.
-fn periods(model: &LappedSolid, axis: usize, ring: &[DVec3]) -> Option<f64> {
+/// By how many periods the texture goes on around a ring that closes; `None` where it steps, or leaves the model. Of a
+/// coherent fill the oldest layer counts: its own coordinates, not those of particles that were put into holes.
+fn periods(model: &LappedSolid, axis: usize, ring: &[DVec3], coherent: bool) -> Option<f64> {
     let locator = TetLocator::new(&model.mesh);
     let at = |p: &DVec3| -> Option<f64> {
         let (t, b) = locator.find(*p)?;
-        Some(f64::from(model.seen(t, b.map(|b| b as f32))?.uvw[axis]))
+        let b = b.map(|b| b as f32);
+        let oldest = || Some(interpolate(model.layer_uvw.get(model.layers(t).start)?, b));
+        let uvw = if coherent { oldest()? } else { model.seen(t, b)?.uvw };
+        Some(f64::from(uvw[axis]))
     };
     let coordinates: Vec<f64> = ring.iter().map(at).collect::<Option<_>>()?;
     let steps = coordinates.windows(2).map(|w| w[1] - w[0] - (w[1] - w[0]).round());

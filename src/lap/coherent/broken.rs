@@ -87,8 +87,12 @@ pub(super) fn broken(
         })
         .map(|(t, k)| (index(t), k))
         .collect();
-    let found: Vec<(u32, HashSet<Particle>)> =
-        ends.par_iter().map(|&(t, k)| (t, particles_on(lifts, &direct.any(t as usize), k))).collect();
+    let found: Vec<(u32, HashSet<Particle>)> = (ends.par_iter())
+        .map(|&(t, k)| {
+            exec.check()?;
+            Ok((t, particles_on(lifts, &direct.any(t as usize), k)))
+        })
+        .collect::<Result<_, Cancelled>>()?;
     for (t, particles) in found {
         for p in particles {
             if broken[t as usize].insert(p) {

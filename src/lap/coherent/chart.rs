@@ -40,6 +40,10 @@ pub(super) trait Chart: Sync {
     fn walk(&self, mut slot: usize, place: DVec3) -> Result<Option<(usize, [f64; 4])>, ()> {
         for _ in 0..FARTHEST {
             let b = barycentric(self.inverse(slot), place);
+            // A given coordinate may be flat in a tetrahedron: then no place lies there.
+            if !b.iter().all(|b| b.is_finite()) {
+                return Err(());
+            }
             let k = (0..4).fold(0, |least, k| if b[k] < b[least] { k } else { least });
             if b[k] >= INSIDE {
                 return Ok(Some((slot, b)));
@@ -81,7 +85,8 @@ pub(super) trait Chart: Sync {
         let rows = inverse.1.transpose();
         let rows = [rows.x_axis, rows.y_axis, rows.z_axis];
         let inward = |k: usize| if k == 0 { -(rows[0] + rows[1] + rows[2]) } else { rows[k - 1] };
-        (0..4).all(|k| b[k] + inward(k).abs().dot(reach) >= INSIDE)
+        // Where a given coordinate is flat nothing is a number, and the box alone decides.
+        !(0..4).any(|k| b[k] + inward(k).abs().dot(reach) < INSIDE)
     }
 }
 
@@ -186,7 +191,18 @@ impl Chart for Straight<'_> {
 
     fn beside(&self, slot: usize, k: usize) -> Option<usize> {
         let n = self.mesh.neighbours[slot][k];
-        (n != NONE).then_some(n as usize)
+        (n != NONE && self.is_upright(n as usize)).then_some(n as usize)
+    }
+}
+
+impl Straight<'_> {
+    /// Whether the coordinates are no mirror image there: beyond a ridge of a field that is given they meet the same places
+    /// again.
+    fn is_upright(&self, slot: usize) -> bool {
+        self.given.iter().all(Option::is_none) || {
+            let [a, b, c, d] = self.coordinates(slot);
+            (b - a).cross(c - a).dot(d - a) > 0.0
+        }
     }
 }
 

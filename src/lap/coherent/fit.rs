@@ -60,22 +60,29 @@ pub(super) fn fitting(
     for (n, (sheet, copies)) in of_patches.iter().enumerate() {
         exec.check()?;
         // Those that fit by themselves are found side by side; one after the other they then keep clear of each other.
-        let fit: Vec<(usize, &Candidate<'_>)> =
-            copies.par_iter().filter_map(|c| Some((mason.first(sheet, Some(n), c)?, c))).collect();
+        let fit: Vec<Option<(usize, &Candidate<'_>)>> = (copies.par_iter())
+            .map(|c| {
+                exec.check()?;
+                Ok(mason.first(sheet, Some(n), c).map(|first| (first, c)))
+            })
+            .collect::<Result<_, Cancelled>>()?;
         let before = mason.placed.len();
-        for (size, candidate) in fit {
+        for (size, candidate) in fit.into_iter().flatten() {
             mason.put(sheet, Some(n), candidate, size, before);
         }
     }
     drop(of_patches);
     for round in 0..ROUNDS {
         exec.check()?;
-        let mut others: Vec<(usize, Straight<'_>, Candidate<'_>)> = (others(&mason, round).into_par_iter())
-            .filter_map(|(chart, c)| {
-                let c = mason.centred(&chart, c);
-                Some((mason.first(&chart, None, &c)?, chart, c))
-            })
-            .collect();
+        let found: Vec<Option<(usize, Straight<'_>, Candidate<'_>)>> = (others(&mason, round)
+            .into_par_iter())
+        .map(|(chart, c)| {
+            exec.check()?;
+            let c = mason.centred(&chart, c);
+            Ok(mason.first(&chart, None, &c).map(|first| (first, chart, c)))
+        })
+        .collect::<Result<_, Cancelled>>()?;
+        let mut others: Vec<_> = found.into_iter().flatten().collect();
         others.sort_by_key(|other| other.0);
         let before = mason.placed.len();
         for (size, chart, candidate) in &others {

@@ -22,6 +22,9 @@ impl Particle {
     }
 }
 
+/// Over so many periods a particle may wind.
+const WINDINGS: i8 = 100;
+
 /// Tells copies of particles apart.
 pub(in crate::lap) struct Lifts<'a> {
     size: [usize; 3],
@@ -35,7 +38,8 @@ pub(in crate::lap) struct Lifts<'a> {
 }
 
 impl<'a> Lifts<'a> {
-    /// `None` where a particle goes all around the texture and meets itself: it has no copies that end.
+    /// `None` where a particle goes all around the texture and meets itself, or winds through very many periods: it has no
+    /// copies that end.
     pub(super) fn new(texture: &SolidTexture, labels: &'a [u32]) -> Option<Self> {
         let size = texture.size().map(|n| n as usize);
         let tiles = texture.tiles();
@@ -50,11 +54,19 @@ impl<'a> Lifts<'a> {
             while let Some(v) = queue.pop_front() {
                 for (n, next) in around(v, size, tiles).into_iter().enumerate() {
                     let Some(next) = next.filter(|&n| labels[n] == labels[v]) else { continue };
+                    // Along an axis of one voxel it meets itself at once.
+                    if next == v {
+                        return None;
+                    }
                     let mut cell = cells[v];
                     // Over the end, or over the beginning: axis and sense are in the order of `around`.
                     let wraps = if n % 2 == 0 { next < v } else { next > v };
                     if wraps {
-                        cell[n / 2] = cell[n / 2].saturating_add(if n % 2 == 0 { 1 } else { -1 });
+                        cell[n / 2] += if n % 2 == 0 { 1 } else { -1 };
+                        // One that winds so often is no particle.
+                        if cell[n / 2].abs() > WINDINGS {
+                            return None;
+                        }
                     }
                     if cells[next][0] == i8::MIN {
                         cells[next] = cell;

@@ -174,7 +174,8 @@ impl<'a> Mason<'a> {
     pub(super) fn centred<'c>(&self, chart: &impl Chart, mut c: Candidate<'c>) -> Candidate<'c> {
         for axis in (0..3).filter(|&axis| self.holes.direct.free()[axis]) {
             let step = DVec3::AXES[axis] * STEP / self.holes.lifts.size();
-            let far = ((c.form.reach + self.joint)[axis] / step[axis]).ceil() as usize;
+            let reach = c.form.reach[axis];
+            let far = ((reach + self.joint[axis].min(JOINT * reach)) / step[axis]).ceil() as usize;
             let room = [step, -step].map(|step| {
                 let mut slot = c.slot;
                 (1..=far)
