@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::measure::{FillMeasures, any_direction, anywhere_inside, numbers, walk};
+use super::measure::{FillMeasures, any_direction, anywhere_inside, numbers, volumes, walk};
 use super::solid::{LappedSolid, interpolate};
 use crate::exec::{Cancelled, Exec};
 use crate::mesh::NONE;
@@ -83,13 +83,7 @@ pub(super) fn agreement(
 /// given, anywhere along the free ones.
 fn kept(solid: &LappedSolid, texture: &SolidTexture, free: [bool; 3], seed: u64) -> f64 {
     let mesh = &solid.mesh;
-    let mut total = 0.0;
-    let cumulative: Vec<f64> = (0..mesh.tets.len())
-        .map(|t| {
-            total += mesh.tet_volume(t);
-            total
-        })
-        .collect();
+    let (cumulative, total) = volumes(mesh);
     let is_particle = |label: Option<u32>| u32::from(label.is_some_and(|l| l != 0));
     let counts = (0..ANYWHERE).into_par_iter().map(|n| {
         let mut uniform = numbers(seed ^ 0x6B65_7074_0BAD_CAFE, n);

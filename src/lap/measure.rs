@@ -10,7 +10,7 @@ use super::optimise::Given;
 use super::pasted::Fit;
 use super::solid::{LappedSolid, interpolate};
 use crate::exec::{Cancelled, Exec};
-use crate::mesh::NONE;
+use crate::mesh::{NONE, TetMesh};
 
 /// The measures of a fill.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -182,13 +182,7 @@ const PLACES: usize = 20_000;
 /// its place along tiling axes is drawn at random, so that pasted and plain texture are compared as wholes.
 pub(super) fn sharpness(solid: &LappedSolid, seed: u64, exec: &Exec) -> Result<f64, Cancelled> {
     let mesh = &solid.mesh;
-    let mut total = 0.0;
-    let cumulative: Vec<f64> = (0..mesh.tets.len())
-        .map(|t| {
-            total += mesh.tet_volume(t);
-            total
-        })
-        .collect();
+    let (cumulative, total) = volumes(mesh);
     exec.check()?;
     let _stage = exec.stage("sharpness", 0);
     let pairs: Vec<Option<(f64, f64)>> = (0..PLACES)
@@ -209,6 +203,18 @@ pub(super) fn sharpness(solid: &LappedSolid, seed: u64, exec: &Exec) -> Result<f
         .collect();
     let (model, texture) = pairs.iter().flatten().fold((0.0, 0.0), |s, p| (s.0 + p.0, s.1 + p.1));
     Ok(if texture > 0.0 { model / texture } else { 1.0 })
+}
+
+/// The volume of each tetrahedron and all before it, and that of all.
+pub(super) fn volumes(mesh: &TetMesh) -> (Vec<f64>, f64) {
+    let mut total = 0.0;
+    let cumulative = (0..mesh.tets.len())
+        .map(|t| {
+            total += mesh.tet_volume(t);
+            total
+        })
+        .collect();
+    (cumulative, total)
 }
 
 /// Numbers from 0 to 1, the `n`th row of them.
