@@ -156,11 +156,20 @@ fn breaks_off(solid: &LappedSolid, t: usize, at: [f64; 4], direction: DVec3) -> 
         return None;
     }
     let (tet, next) = walk(solid, t, at, direction * length)?;
-    let there = solid.seen(tet, next.map(|a| a as f32))?;
-    let same = there.label == Some(label) && there.exemplar == seen.exemplar && {
-        let apart = modulo(DVec3::from_array(there.uvw.map(f64::from)) - own);
+    let next = next.map(|a| a as f32);
+    let is_near = |uvw: [f32; 3]| {
+        let apart = modulo(DVec3::from_array(uvw.map(f64::from)) - own);
         (0..3).all(|n| apart[n] < SAME)
     };
+    // Where coordinates bend the particle may end by those that the patch has there.
+    let own_there = (solid.layers(tet).filter(|&l| solid.layer_patch[l] == seen.patch))
+        .map(|l| solid.patches[seen.patch as usize].texture_at(interpolate(&solid.layer_uvw[l], next)))
+        .find(|uvw| is_near(*uvw));
+    if own_there.is_some_and(|uvw| !deep_inside(texture, DVec3::from_array(uvw.map(f64::from)), label)) {
+        return None;
+    }
+    let there = solid.seen(tet, next)?;
+    let same = there.label == Some(label) && there.exemplar == seen.exemplar && is_near(there.uvw);
     Some(!same)
 }
 

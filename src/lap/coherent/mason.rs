@@ -7,7 +7,9 @@ use super::fit::Holes;
 use super::form::{FIRST, Form};
 use super::lifts::Particle;
 use super::whole::layer;
+use crate::lap::coverage::{LATTICE, ORDER};
 use crate::lap::pasted::Pasted;
+use crate::mesh::NONE;
 
 /// By how much particles are made smaller along an axis to fit a hole.
 const SIZES: [f64; 5] = [1.0, 0.8, 0.6, 0.45, 0.3];
@@ -83,7 +85,8 @@ impl<'a> Mason<'a> {
         let mut room = |size| self.has_room(chart, of, &Candidate { size, ..*c }, 0, &mut last);
         // What lies in all sizes must have room first.
         let core = DVec3::select(self.free_axes(), DVec3::splat(SIZES[SIZES.len() - 1]), DVec3::ONE);
-        room(core).then(|| self.sizes(of, 0).position(room))?
+        let is_clear = |size| self.is_clear(chart, of, &Candidate { size, ..*c }, 0);
+        room(core).then(|| self.sizes(of, 0).position(|size| room(size) && is_clear(size)))?
     }
 
     /// Puts a particle in, in the largest size from a first one on for which there is room; for that one there was, when
@@ -100,7 +103,8 @@ impl<'a> Mason<'a> {
         let fit = self.sizes(of, first).enumerate().find_map(|(n, size)| {
             let c = Candidate { size, ..*c };
             let since = if n == 0 { before } else { 0 };
-            self.has_room(chart, of, &c, since, &mut last).then_some(c)
+            (self.has_room(chart, of, &c, since, &mut last) && self.is_clear(chart, of, &c, since))
+                .then_some(c)
         });
         if let Some(c) = fit {
             self.add(chart, of, &c);
@@ -147,6 +151,35 @@ impl<'a> Mason<'a> {
             (0..FIRST.min(count)).chain((FIRST..count).step_by(step)).find(|&point| !is_free(point));
         *last = in_the_way.unwrap_or(*last);
         in_the_way.is_none()
+    }
+
+    /// Whether a particle lies over nothing that stays in any of the tetrahedra in which it will be drawn, and shows at no
+    /// face where the coordinates end. What has room has this, but for what is thinner than its points are apart, and for
+    /// tetrahedra to which no straight way leads from its middle.
+    fn is_clear(&self, chart: &impl Chart, of: Option<usize>, c: &Candidate<'_>, since: usize) -> bool {
+        let of = of.filter(|_| c.size == DVec3::ONE);
+        let reach = self.reach(c.form);
+        let this = Particle { label: c.label, cell: [0; 3] };
+        chart.under(c.slot, c.at, reach * c.size).into_iter().all(|slot| {
+            let (t, uvw) = (chart.tet(slot), chart.coordinates(slot).map(|w| (w - c.at) / c.size));
+            // Beyond such a face the coordinates are others.
+            let ends: [bool; 4] = std::array::from_fn(|k| {
+                chart.mesh().neighbours[t as usize][k] != NONE && chart.beside(slot, k).is_none()
+            });
+            LATTICE.iter().map(|b| b.map(|e| f64::from(e) / ORDER as f64)).all(|b| {
+                let beside: DVec3 = (0..4).map(|k| uvw[k] * b[k]).sum();
+                let shows = beside.abs().cmple(reach).all()
+                    && self.holes.lifts.any_near(c.form.middle + beside, |p| p == this);
+                let goes_on = (0..4).all(|k| !ends[k] || b[k] > 0.0);
+                !shows
+                    || goes_on && (since > 0 || !self.holes.is_own(t, &b)) && !self.is_full(t, &b, of, since)
+            })
+        })
+    }
+
+    /// How far something of a particle shows from its middle.
+    fn reach(&self, form: &Form) -> DVec3 {
+        form.reach + 0.5 / self.holes.lifts.size()
     }
 
     /// Whether nothing that stays is at a place, to which is gone from a `slot`.
@@ -203,12 +236,11 @@ impl<'a> Mason<'a> {
 
     fn add(&mut self, chart: &impl Chart, of: Option<usize>, c: &Candidate<'_>) {
         let free = self.holes.free();
-        let reach = c.form.reach + 0.5 / self.holes.lifts.size();
         // The texture is read one period about the particle, so that no other copy of it is seen.
         let shift = (c.form.middle - 0.5) * free;
         let mut pasted = layer(Vec::new(), Vec::new(), self.everywhere + 1);
         pasted.shift = shift.as_vec3().to_array();
-        for slot in chart.under(c.slot, c.at, reach * c.size) {
+        for slot in chart.under(c.slot, c.at, self.reach(c.form) * c.size) {
             let uvw = chart.coordinates(slot).map(|w| (w - c.at * free) / c.size + 0.5 * free);
             let t = chart.tet(slot);
             pasted.tets.push(t);
