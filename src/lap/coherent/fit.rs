@@ -24,11 +24,11 @@ use crate::lap::seed::mix;
 use crate::mesh::{TetMesh, index};
 
 /// Of the volume of an open tetrahedron, this many times that of a mean particle is one place to be filled.
-const SPACING: f64 = 0.05;
+const SPACING: f64 = 0.2;
 /// The most places in a tetrahedron.
-const PLACES: usize = 60;
+const PLACES: usize = 20;
 /// How often places are looked for in what is left.
-const ROUNDS: usize = 2;
+const ROUNDS: u64 = 4;
 /// The particles of a patch are taken where it is stretched by at most this, either way, ...
 const STRETCH: f64 = 1.8;
 /// ... and the determinant of J·\[R S T\] is at least this part of the product of its columns' lengths.
@@ -74,18 +74,15 @@ pub(super) fn fitting(
     drop(of_patches);
     for round in 0..ROUNDS {
         exec.check()?;
-        let found: Vec<Option<(usize, Straight<'_>, Candidate<'_>)>> = (others(&mason, round)
-            .into_par_iter())
-        .map(|(chart, c)| {
+        let found = others(&mason, round).map(|(chart, c)| {
             exec.check()?;
             let c = mason.centred(&chart, c);
             Ok(mason.first(&chart, None, &c).map(|first| (first, chart, c)))
-        })
-        .collect::<Result<_, Cancelled>>()?;
-        let mut others: Vec<_> = found.into_iter().flatten().collect();
-        others.sort_by_key(|other| other.0);
+        });
+        let mut fit: Vec<_> = found.filter_map(Result::transpose).collect::<Result<_, Cancelled>>()?;
+        fit.sort_by_key(|(first, ..)| *first);
         let before = mason.placed.len();
-        for (size, chart, candidate) in &others {
+        for (size, chart, candidate) in &fit {
             exec.check()?;
             mason.put(chart, None, candidate, *size, before);
         }
@@ -94,42 +91,38 @@ pub(super) fn fitting(
 }
 
 /// Particles at places of holes where nothing is yet, as straight as the frame is there.
-fn others<'a>(mason: &Mason<'a>, round: usize) -> Vec<(Straight<'a>, Candidate<'a>)> {
+fn others<'a>(mason: &Mason<'a>, round: u64) -> impl ParallelIterator<Item = (Straight<'a>, Candidate<'a>)> {
     let (holes, free) = (mason.holes, mason.free_axes());
     let stock: Vec<(u32, &Form)> = holes.lifts.compact().collect();
-    if stock.is_empty() {
-        return Vec::new();
-    }
     let volume = stock.iter().map(|(_, form)| 8.0 * form.reach.element_product()).sum::<f64>();
     let spacing = SPACING * volume / stock.len() as f64;
     let frames = PatchFrames::new(&holes.direct.asked, 0, glam::DQuat::IDENTITY);
-    let in_tet = |t: u32| {
-        let frame = frames.frame(t as usize);
-        let volume = holes.mesh.tet_volume(t as usize) * frame.texture_from_world.determinant().abs();
-        let places = ((volume / spacing).ceil() as usize).min(PLACES);
-        let stock = &stock;
-        (0..places).filter_map(move |n| {
-            let b =
-                anywhere_inside(&mut numbers(0x0D1E_5EED_7A6E_0051 + round as u64, t as usize * PLACES + n));
+    let in_tet = move |t: u32| {
+        let slot = t as usize;
+        let frame = frames.frame(slot);
+        let volume = holes.mesh.tet_volume(slot) * frame.texture_from_world.determinant().abs();
+        let mut uniform = numbers(0x0D1E_5EED_7A6E_0051 + round, slot);
+        let places = ((volume / spacing + uniform()) as usize).min(PLACES);
+        let at_place = |n: usize| {
+            let b = anywhere_inside(&mut uniform);
             if !holes.is_open(t, &b) || mason.is_full(t, &b, None, 0) {
                 return None;
             }
             let mean = |of: [DVec3; 4]| (0..4).map(|k| of[k] * b[k]).sum::<DVec3>();
-            let origin = mean(holes.mesh.corners(t as usize));
+            let origin = mean(holes.mesh.corners(slot));
             let chart = Straight { mesh: holes.mesh, given: holes.given, origin, frame };
-            let slot = t as usize;
             let place = mean(chart.coordinates(slot));
             // Along an axis that is given a particle stays where it is.
             let fits = |form: &Form| ((place - form.middle).abs().cmple(form.reach) | free).all();
-            let from = mix(u64::from(t), n as u64, round as u64) as usize % stock.len();
+            let from = mix(u64::from(t), n as u64, round) as usize % stock.len();
             let (label, form) =
                 stock[from..].iter().chain(&stock[..from]).copied().find(|(_, form)| fits(form))?;
             let at = DVec3::select(free, DVec3::ZERO, form.middle);
             Some((chart, Candidate { label, form, slot, at, size: DVec3::ONE }))
-        })
+        };
+        (0..places).filter_map(at_place).collect::<Vec<_>>()
     };
-    let tets = (0..index(holes.mesh.tets.len())).into_par_iter().filter(|&t| holes.has_hole(t));
-    tets.flat_map_iter(in_tet).collect()
+    (0..index(holes.mesh.tets.len())).into_par_iter().filter(|&t| holes.has_hole(t)).flat_map_iter(in_tet)
 }
 
 impl Holes<'_> {

@@ -81,12 +81,7 @@ impl<'a> Mason<'a> {
 
     /// The number of the largest size for which there is room. `of` is the patch to which it belongs.
     pub(super) fn first(&self, chart: &impl Chart, of: Option<usize>, c: &Candidate<'_>) -> Option<usize> {
-        let mut last = 0;
-        let mut room = |size| self.has_room(chart, of, &Candidate { size, ..*c }, 0, &mut last);
-        // What lies in all sizes must have room first.
-        let core = DVec3::select(self.free_axes(), DVec3::splat(SIZES[SIZES.len() - 1]), DVec3::ONE);
-        let is_clear = |size| self.is_clear(chart, of, &Candidate { size, ..*c }, 0);
-        room(core).then(|| self.sizes(of, 0).position(|size| room(size) && is_clear(size)))?
+        self.fits(chart, of, c, 0, 0)
     }
 
     /// Puts a particle in, in the largest size from a first one on for which there is room; for that one there was, when
@@ -99,22 +94,35 @@ impl<'a> Mason<'a> {
         first: usize,
         before: usize,
     ) {
-        let mut last = 0;
-        let fit = self.sizes(of, first).enumerate().find_map(|(n, size)| {
-            let c = Candidate { size, ..*c };
-            let since = if n == 0 { before } else { 0 };
-            (self.has_room(chart, of, &c, since, &mut last) && self.is_clear(chart, of, &c, since))
-                .then_some(c)
-        });
-        if let Some(c) = fit {
-            self.add(chart, of, &c);
+        if let Some(n) = self.fits(chart, of, c, first, before) {
+            self.add(chart, of, &Candidate { size: self.sizes[n], ..*c });
         }
     }
 
-    /// The sizes that come into question, from a first one on.
-    fn sizes(&self, of: Option<usize>, first: usize) -> impl Iterator<Item = DVec3> {
+    /// The number of the largest size for which there is room, from a first one on, for which there was when `before` were in.
+    fn fits(
+        &self,
+        chart: &impl Chart,
+        of: Option<usize>,
+        c: &Candidate<'_>,
+        first: usize,
+        before: usize,
+    ) -> Option<usize> {
+        let mut last = 0;
+        // What lies in all sizes must have room first.
+        let core = DVec3::select(self.free_axes(), DVec3::splat(SIZES[SIZES.len() - 1]), DVec3::ONE);
+        if !self.has_room(chart, of, &Candidate { size: core, ..*c }, before, &mut last) {
+            return None;
+        }
         let least = if of.is_some() { WORTH } else { 0.0 };
-        self.sizes[first..].iter().copied().take_while(move |size| size.element_product() >= least)
+        let sizes = self.sizes.iter().enumerate().skip(first);
+        let mut sizes = sizes.take_while(|(_, size)| size.element_product() >= least);
+        let fits = sizes.find(|&(n, &size)| {
+            let c = Candidate { size, ..*c };
+            let since = if n == first { before } else { 0 };
+            self.has_room(chart, of, &c, since, &mut last) && self.is_clear(chart, of, &c, since)
+        });
+        fits.map(|(n, _)| n)
     }
 
     pub(super) fn free_axes(&self) -> BVec3 {
