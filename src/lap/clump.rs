@@ -199,7 +199,8 @@ impl<'a> Clump<'a> {
     /// Lets tetrahedron `n` join across face `k` of member `m` if its frame agrees with the seed's and the
     /// mask, by prediction, reaches into it (or is known to: `needed`).
     fn consider(&mut self, m: usize, k: usize, n: u32, needed: bool) {
-        if self.frames.agreement(n as usize) < self.agreement {
+        let is_outside = self.ground.holes.is_some_and(|holes| !holes.has_hole(n));
+        if is_outside || self.frames.agreement(n as usize) < self.agreement {
             self.reject(n);
             return;
         }
@@ -451,7 +452,7 @@ impl<'a> Clump<'a> {
 
     fn paste(&self, coverage: &[u8]) -> Pasted {
         let mesh = self.ground.mesh;
-        let own = if self.ground.reached { None } else { self.feathered() };
+        let own = if self.ground.holes.is_some() { None } else { self.feathered() };
         let own_table = own.as_ref().map(MaskTable::new);
         let mask = own.as_ref().unwrap_or(self.mask);
         let table = own_table.as_ref().unwrap_or(self.table);
@@ -471,7 +472,7 @@ impl<'a> Clump<'a> {
             let (alpha, present) = match table.over_points(&uvw) {
                 Presence::Absent => continue,
                 Presence::Opaque => (Alpha::Opaque, true),
-                Presence::Partial if self.ground.reached => (Alpha::Opaque, true),
+                Presence::Partial if self.ground.holes.is_some() => (Alpha::Opaque, true),
                 Presence::Partial => {
                     sample_lattice(mask, &uvw, &coverage[m.tet as usize * POINTS..][..POINTS])
                 }

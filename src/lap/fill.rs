@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::agreement::agreement;
 use super::assemble::{Stock, assemble, stack};
 use super::clump::{Workspace, paste};
-use super::coherent;
+use super::coherent::{self, Holes};
 use super::coverage::{Alpha, MaskTable, POINTS, sample_lattice};
 use super::fill_error::FillError;
 use super::kind::TextureType;
@@ -102,7 +102,10 @@ pub fn fill(
             frames = agreeing;
             direct
         });
-        let lifts = direct.as_ref().and_then(|_| coherent::lifts(&texture));
+        let holes = match &direct {
+            Some(direct) => Holes::new(&mesh, given(&fields, kind), direct, &texture, exec)?,
+            None => None,
+        };
         let masks: Vec<AlphaMask> = match kind.given() {
             [true, _, true] => vec![AlphaMask::cube()],
             [true, _, false] => vec![AlphaMask::slab(&params.mask, seed)],
@@ -118,7 +121,7 @@ pub fn fill(
             tables: &tables,
             params,
             direct: direct.as_ref(),
-            reached: lifts.is_some(),
+            holes: holes.as_ref(),
         };
         let mut lapped = match mapped::one_patch(&ground) {
             Some(patch) => Lapped::whole(patch, &masks),
@@ -131,9 +134,7 @@ pub fn fill(
         let mut exemplars = vec![Arc::clone(&texture)];
         let mut choices = Vec::new();
         if let Some(direct) = &direct {
-            let lifts = lifts.as_ref();
-            let mut layered =
-                coherent::layered(&ground, direct, &texture, lifts, &mut lapped, everywhere, exec)?;
+            let mut layered = coherent::layered(&ground, direct, &texture, &mut lapped, everywhere, exec)?;
             for pasted in &mut layered.pasted {
                 lapped.fit.add(&std::mem::take(&mut pasted.fit));
             }

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 
-use super::coherent::Direct;
+use super::coherent::{Direct, Holes};
 use super::coverage::{Alpha, MaskTable};
 use super::frames::Frame;
 use super::optimise::Given;
@@ -25,8 +25,9 @@ pub(super) struct Ground<'a> {
     pub(super) params: &'a FillParams,
     /// Coordinates over the whole model to which patches keep, where the fill is to be coherent.
     pub(super) direct: Option<&'a Direct>,
-    /// Whether of the patches only single particles are taken: then each tetrahedron must be reached by one, not covered.
-    pub(super) reached: bool,
+    /// Where of patches only single particles are taken: patches stay in holes, and each tetrahedron must be reached by one,
+    /// not covered.
+    pub(super) holes: Option<&'a Holes<'a>>,
 }
 
 /// Where a patch begins.

@@ -8,40 +8,30 @@ use std::collections::HashMap;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::broken::ByTet;
 use super::chart::{Chart, Sheet, Straight, coordinates};
-use super::direct::{Direct, is_straight};
+use super::direct::is_straight;
 use super::form::Form;
-use super::lifts::{Lifts, Particle};
+use super::holes::Holes;
+use super::lifts::Particle;
 use super::mason::{Candidate, Mason, Placed};
 use crate::exec::{Cancelled, Exec};
 use crate::lap::coverage::{LATTICE, ORDER};
 use crate::lap::frames::PatchFrames;
 use crate::lap::measure::{anywhere_inside, numbers};
-use crate::lap::optimise::Given;
 use crate::lap::pasted::{Pasted, columns};
 use crate::lap::seed::mix;
-use crate::mesh::{TetMesh, index};
+use crate::mesh::index;
 
 /// Of the volume of an open tetrahedron, this many times that of a mean particle is one place to be filled.
 const SPACING: f64 = 0.2;
 /// The most places in a tetrahedron.
 const PLACES: usize = 20;
 /// How often places are looked for in what is left.
-const ROUNDS: u64 = 4;
+const ROUNDS: u64 = 6;
 /// The particles of a patch are taken where it is stretched by at most this, either way, ...
 const STRETCH: f64 = 1.8;
 /// ... and the determinant of J·\[R S T\] is at least this part of the product of its columns' lengths.
 const UPRIGHT: f64 = 0.5;
-/// What is there when particles are looked for.
-pub(super) struct Holes<'a> {
-    pub(super) mesh: &'a TetMesh,
-    pub(super) given: Given<'a>,
-    pub(super) direct: &'a Direct,
-    pub(super) lifts: &'a Lifts<'a>,
-    pub(super) broken: &'a ByTet,
-}
-
 /// Whole particles in the holes, one after the other.
 pub(super) fn fitting(
     holes: &Holes<'_>,
@@ -50,11 +40,11 @@ pub(super) fn fitting(
     exec: &Exec,
 ) -> Result<Vec<Placed>, Cancelled> {
     let mut mason = Mason::new(holes, everywhere);
-    let open = holes.open();
+    let open = open(holes);
     let of_patches: Vec<(Sheet<'_>, Vec<Candidate<'_>>)> = (patches.par_iter())
         .map(|patch| {
             exec.check()?;
-            Ok((Sheet::new(holes.mesh, patch), holes.copies(patch, &open)))
+            Ok((Sheet::new(holes.mesh, patch), copies(holes, patch, &open)))
         })
         .collect::<Result<_, Cancelled>>()?;
     for (n, (sheet, copies)) in of_patches.iter().enumerate() {
@@ -125,69 +115,46 @@ fn others<'a>(mason: &Mason<'a>, round: u64) -> impl ParallelIterator<Item = (St
     (0..index(holes.mesh.tets.len())).into_par_iter().filter(|&t| holes.has_hole(t)).flat_map_iter(in_tet)
 }
 
-impl Holes<'_> {
-    /// 1 along axes that are solved for, 0 along those that are given.
-    pub(super) fn free(&self) -> DVec3 {
-        DVec3::from_array(self.direct.free().map(|free| f64::from(u8::from(free))))
-    }
+/// Lattice points of tetrahedra at which is nothing: every second one along each edge finds what is worth to be put in.
+fn open(holes: &Holes<'_>) -> HashMap<u32, Vec<[f64; 4]>> {
+    let even = |b: &&[u8; 4]| b.iter().all(|e| e % 2 == 0);
+    let points: Vec<[f64; 4]> =
+        LATTICE.iter().filter(even).map(|b| b.map(|e| f64::from(e) / ORDER as f64)).collect();
+    (0..index(holes.mesh.tets.len()))
+        .into_par_iter()
+        .filter(|&t| holes.has_hole(t))
+        .map(|t| (t, points.iter().copied().filter(|b| holes.is_open(t, b)).collect()))
+        .collect()
+}
 
-    fn has_hole(&self, t: u32) -> bool {
-        self.direct.regular(t as usize).is_none() || !self.broken[t as usize].is_empty()
-    }
-
-    /// Whether nothing is at a point by the model's own coordinates: there are none, or a particle that is left out.
-    fn is_open(&self, t: u32, b: &[f64; 4]) -> bool {
-        let Some(own) = self.direct.regular(t as usize) else { return true };
-        self.lifts.at((0..4).map(|k| own[k] * b[k]).sum()).is_some_and(|p| self.is_broken(t, p))
-    }
-
-    /// Whether a whole particle of the model's own coordinates shows at a point.
-    pub(super) fn is_own(&self, t: u32, b: &[f64; 4]) -> bool {
-        self.direct.regular(t as usize).is_some_and(|own| {
-            let particle = self.lifts.at((0..4).map(|k| own[k] * b[k]).sum());
-            particle.is_some_and(|p| !self.is_broken(t, p))
-        })
-    }
-
-    fn is_broken(&self, t: u32, particle: Particle) -> bool {
-        self.broken[t as usize].contains(&particle)
-    }
-
-    /// The lattice points of tetrahedra at which is nothing.
-    fn open(&self) -> HashMap<u32, Vec<[f64; 4]>> {
-        let points = LATTICE.map(|b| b.map(|e| f64::from(e) / ORDER as f64));
-        (0..index(self.mesh.tets.len()))
-            .into_par_iter()
-            .filter(|&t| self.has_hole(t))
-            .map(|t| (t, points.into_iter().filter(|b| self.is_open(t, b)).collect()))
-            .collect()
-    }
-
-    /// The particles of a patch in holes, those first that cover most of them.
-    fn copies(&self, patch: &Pasted, open: &HashMap<u32, Vec<[f64; 4]>>) -> Vec<Candidate<'_>> {
-        let mut found: HashMap<Particle, (f64, usize)> = HashMap::new();
-        let frames = PatchFrames::new(&self.direct.asked, 0, glam::DQuat::IDENTITY);
-        for (slot, t) in patch.tets.iter().enumerate() {
-            let Some(open) = open.get(t) else { continue };
-            let uvw = coordinates(patch, slot);
-            let columns = columns(&frames.frame(*t as usize), &self.mesh.gradients(*t as usize), &uvw);
-            if !is_straight(&columns, self.direct.free(), STRETCH, UPRIGHT) {
-                continue;
-            }
-            for b in open {
-                if let Some(p) = self.lifts.at((0..4).map(|k| uvw[k] * b[k]).sum()) {
-                    found.entry(p).or_insert((0.0, slot)).0 += self.mesh.tet_volume(*t as usize);
-                }
+/// The particles of a patch in holes, those first that cover most of them.
+fn copies<'a>(
+    holes: &'a Holes<'_>,
+    patch: &Pasted,
+    open: &HashMap<u32, Vec<[f64; 4]>>,
+) -> Vec<Candidate<'a>> {
+    let mut found: HashMap<Particle, (f64, usize)> = HashMap::new();
+    let frames = PatchFrames::new(&holes.direct.asked, 0, glam::DQuat::IDENTITY);
+    for (slot, t) in patch.tets.iter().enumerate() {
+        let Some(open) = open.get(t) else { continue };
+        let uvw = coordinates(patch, slot);
+        let columns = columns(&frames.frame(*t as usize), &holes.mesh.gradients(*t as usize), &uvw);
+        if !is_straight(&columns, holes.direct.free(), STRETCH, UPRIGHT) {
+            continue;
+        }
+        for b in open {
+            if let Some(p) = holes.lifts.at((0..4).map(|k| uvw[k] * b[k]).sum()) {
+                found.entry(p).or_insert((0.0, slot)).0 += holes.mesh.tet_volume(*t as usize);
             }
         }
-        let mut found: Vec<(Particle, (f64, usize))> = found.into_iter().collect();
-        found.sort_by(|a, b| b.1.0.total_cmp(&a.1.0).then(a.0.cmp(&b.0)));
-        (found.into_iter())
-            .filter_map(|(p, (_, slot))| {
-                let form = self.lifts.form(p.label).filter(|form| form.is_compact)?;
-                let at = form.middle + DVec3::from_array(p.cell.map(f64::from));
-                Some(Candidate { label: p.label, form, slot, at, size: DVec3::ONE })
-            })
-            .collect()
     }
+    let mut found: Vec<(Particle, (f64, usize))> = found.into_iter().collect();
+    found.sort_by(|a, b| b.1.0.total_cmp(&a.1.0).then(a.0.cmp(&b.0)));
+    (found.into_iter())
+        .filter_map(|(p, (_, slot))| {
+            let form = holes.lifts.form(p.label).filter(|form| form.is_compact)?;
+            let at = form.middle + DVec3::from_array(p.cell.map(f64::from));
+            Some(Candidate { label: p.label, form, slot, at, size: DVec3::ONE })
+        })
+        .collect()
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::matrix::around;
 
@@ -36,14 +37,15 @@ pub(super) fn forms(
     tiles: [bool; 3],
 ) -> BTreeMap<u32, Form> {
     let sides = DVec3::from_array(size.map(|n| n as f64));
+    let is_rim = |v: usize| around(v, size, tiles).into_iter().flatten().any(|n| labels[n] != labels[v]);
+    let rims: Vec<bool> = (0..labels.len()).into_par_iter().map(is_rim).collect();
     let mut voxels: BTreeMap<u32, Vec<Voxel>> = BTreeMap::new();
     for (v, label) in labels.iter().enumerate().filter(|(_, label)| **label != 0) {
         let at = [v % size[0], v / size[0] % size[1], v / size[0] / size[1]].map(|c| c as f64 + 0.5);
         let place = DVec3::from_array(at) / sides + DVec3::from_array(cells[v].map(f64::from));
-        let is_rim = around(v, size, tiles).into_iter().flatten().any(|n| labels[n] != *label);
-        voxels.entry(*label).or_default().push((place, is_rim));
+        voxels.entry(*label).or_default().push((place, rims[v]));
     }
-    voxels.into_iter().map(|(label, voxels)| (label, form(&voxels, sides, tiles))).collect()
+    voxels.into_par_iter().map(|(label, voxels)| (label, form(&voxels, sides, tiles))).collect()
 }
 
 fn form(voxels: &[Voxel], sides: DVec3, tiles: [bool; 3]) -> Form {

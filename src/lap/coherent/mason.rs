@@ -3,8 +3,8 @@
 use glam::{BVec3, DVec3};
 
 use super::chart::Chart;
-use super::fit::Holes;
 use super::form::{FIRST, Form};
+use super::holes::Holes;
 use super::lifts::Particle;
 use super::whole::layer;
 use crate::lap::coverage::{LATTICE, ORDER};

@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use rayon::prelude::*;
+
 use crate::volume::SolidTexture;
 
 /// The least part of a texture that is matrix, for holes to be filled with it.
@@ -54,12 +56,12 @@ pub(super) fn matrix(texture: &SolidTexture, labels: &[u32]) -> SolidTexture {
 
 /// How thick the matrix is between particles, in voxels: so much of it lies between as much of their surfaces.
 pub(super) fn thickness(labels: &[u32], size: [usize; 3], tiles: [bool; 3]) -> f64 {
-    let matrix = labels.iter().filter(|l| **l == 0).count();
+    let matrix = labels.par_iter().filter(|l| **l == 0).count();
     let faces = |v: usize| {
         let other = |n: &usize| labels[*n] != labels[v];
         around(v, size, tiles).into_iter().flatten().filter(other).count()
     };
-    let surface: usize = (0..labels.len()).filter(|&v| labels[v] != 0).map(faces).sum();
+    let surface: usize = (0..labels.len()).into_par_iter().filter(|&v| labels[v] != 0).map(faces).sum();
     2.0 * matrix as f64 / surface.max(1) as f64
 }
 

@@ -12,6 +12,7 @@ mod chart;
 mod direct;
 mod fit;
 mod form;
+mod holes;
 mod lifts;
 mod mason;
 mod matrix;
@@ -21,7 +22,7 @@ mod structure;
 mod whole;
 
 pub(super) use direct::Direct;
-pub(super) use lifts::Lifts;
+pub(super) use holes::Holes;
 pub(super) use whole::Layered;
 
 use super::fill::{Lapped, check_scale};
@@ -70,27 +71,20 @@ pub(super) fn direct(
     }
 }
 
-/// The particles of a texture, where single ones of them can be taken.
-pub(super) fn lifts(texture: &SolidTexture) -> Option<Lifts<'_>> {
-    let labels = texture.labels().filter(|labels| matrix::has_matrix(labels))?;
-    Lifts::new(texture, labels)
-}
-
 /// What is pasted over a model: the coordinates themselves where they are regular, and around the other tetrahedra what
 /// of the patches that were lapped there can be seen. `everywhere` is the number of the mask that is opaque everywhere.
 pub(super) fn layered(
     ground: &Ground<'_>,
     direct: &Direct,
     texture: &SolidTexture,
-    lifts: Option<&Lifts<'_>>,
     lapped: &mut Lapped,
     everywhere: u32,
     exec: &Exec,
 ) -> Result<Layered, Cancelled> {
-    match lifts {
-        Some(lifts) => {
+    match ground.holes {
+        Some(holes) => {
             let _stage = exec.stage("whole particles", 0);
-            whole::layered(ground, direct, texture, lifts, lapped, everywhere, exec)
+            whole::layered(ground, holes, texture, lapped, everywhere, exec)
         }
         None => Ok(regular::layered(ground, direct, texture, lapped, everywhere)),
     }

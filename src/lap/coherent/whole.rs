@@ -8,11 +8,10 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use glam::DVec3;
 
-use super::broken::{ByTet, broken};
 use super::chart::coordinates;
 use super::direct::Direct;
-use super::fit::{Holes, fitting};
-use super::lifts::Lifts;
+use super::fit::fitting;
+use super::holes::Holes;
 use super::matrix::matrix;
 use crate::exec::{Cancelled, Exec};
 use crate::lap::fill::Lapped;
@@ -69,32 +68,29 @@ fn near(uvw: [DVec3; 4]) -> [[f32; 3]; 4] {
     uvw.map(|w| w.as_vec3().to_array())
 }
 
-/// The layers of a texture whose particles `lifts` tells apart.
+/// The layers of a texture of which whole particles are taken.
 pub(super) fn layered(
     ground: &Ground<'_>,
-    direct: &Direct,
+    holes: &Holes<'_>,
     texture: &SolidTexture,
-    lifts: &Lifts<'_>,
     lapped: &mut Lapped,
     everywhere: u32,
     exec: &Exec,
 ) -> Result<Layered, Cancelled> {
-    let mesh = ground.mesh;
+    let Holes { mesh, direct, lifts, broken, .. } = holes;
     let count = index(mesh.tets.len());
-    let broken = broken(mesh, direct, lifts, exec)?;
     let mut choices = Choices::default();
     let mut pasted = Vec::new();
-    let whole = |t: &u32| direct.regular(*t as usize).is_some() && broken[*t as usize].is_empty();
-    pasted.push(base(ground, direct, (0..count).filter(whole).collect(), everywhere));
-    let holes: Vec<u32> = (0..count).filter(|t| !whole(t)).collect();
-    if holes.is_empty() {
+    let (open, whole): (Vec<u32>, Vec<u32>) = (0..count).partition(|t| holes.has_hole(*t));
+    pasted.push(base(ground, direct, whole, everywhere));
+    if open.is_empty() {
         return Ok(Layered { pasted, masks: Vec::new(), choices: choices.list, matrix: None });
     }
     // The ground of the holes: matrix, at coordinates of some patch where the model has none.
     let patches = std::mem::take(&mut lapped.pasted);
     // What of them is seen is single particles.
     lapped.fit = Fits::default();
-    let mut under = base(ground, direct, holes.clone(), everywhere);
+    let mut under = base(ground, direct, open.clone(), everywhere);
     (under.exemplar, under.fit) = (MATRIX, Fit::default());
     let mut first: HashMap<u32, [DVec3; 4]> = HashMap::new();
     for patch in &patches {
@@ -112,7 +108,7 @@ pub(super) fn layered(
     pasted.push(under);
     // The model's own particles but for those of broken ones' labels, ...
     let mut groups: BTreeMap<Vec<u32>, Vec<u32>> = BTreeMap::new();
-    for &t in holes.iter().filter(|t| direct.regular(**t as usize).is_some()) {
+    for &t in open.iter().filter(|t| direct.regular(**t as usize).is_some()) {
         let without: BTreeSet<u32> = broken[t as usize].iter().map(|p| p.label).collect();
         groups.entry(without.into_iter().collect()).or_default().push(t);
     }
@@ -121,25 +117,22 @@ pub(super) fn layered(
         pasted.push(Pasted { choice, ..base(ground, direct, tets, everywhere) });
     }
     // ... and of those labels the copies that are whole.
-    for (label, copies) in kept(direct, lifts, &broken, everywhere) {
+    for (label, copies) in kept(holes, everywhere) {
         pasted.push(Pasted { choice: choices.number(Choice::Only(vec![label])), ..copies });
     }
-    let holes = Holes { mesh, given: ground.given, direct, lifts, broken: &broken };
-    for placed in fitting(&holes, &patches, everywhere, exec)? {
+    let (placed, matrix) =
+        rayon::join(|| fitting(holes, &patches, everywhere, exec), || matrix(texture, lifts.labels()));
+    for placed in placed? {
         pasted.push(Pasted { choice: choices.number(Choice::Only(vec![placed.label])), ..placed.pasted });
     }
-    Ok(Layered {
-        pasted,
-        masks: vec![AlphaMask::cube()],
-        choices: choices.list,
-        matrix: Some(matrix(texture, lifts.labels())),
-    })
+    Ok(Layered { pasted, masks: vec![AlphaMask::cube()], choices: choices.list, matrix: Some(matrix) })
 }
 
 /// The copies that stay whole in tetrahedra in which another copy is left out, by label. They are read one period about
 /// their middle, so that the other is not seen.
-fn kept(direct: &Direct, lifts: &Lifts<'_>, broken: &ByTet, everywhere: u32) -> BTreeMap<u32, Pasted> {
-    let free = DVec3::from_array(direct.free().map(|free| f64::from(u8::from(free))));
+fn kept(holes: &Holes<'_>, everywhere: u32) -> BTreeMap<u32, Pasted> {
+    let Holes { direct, lifts, broken, .. } = holes;
+    let free = holes.free();
     let mut kept: BTreeMap<u32, Pasted> = BTreeMap::new();
     for (t, broken) in broken.iter().enumerate().filter(|(_, broken)| !broken.is_empty()) {
         let Some(own) = direct.regular(t) else { continue };
