@@ -173,9 +173,14 @@ fn breaks_off(solid: &LappedSolid, t: usize, at: [f64; 4], direction: DVec3) -> 
     Some(!same)
 }
 
-/// Whether a particle is all around a point, so that a step that bends a little still ends in it.
+/// Whether a particle is all around a point, a voxel and a half along all axes at once: so a step that bends a little still
+/// ends in it, and so does one past a pit of a rough surface, where what blends between voxels is more matrix than particle.
 fn deep_inside(texture: &SolidTexture, at: DVec3, label: u32) -> bool {
-    let voxel = DVec3::from_array(texture.size().map(|n| 1.0 / f64::from(n)));
-    let is = |p: DVec3| texture.label_at(p.as_vec3().to_array()) == Some(label);
-    is(at) && DVec3::AXES.into_iter().all(|axis| is(at + axis * voxel * 1.5) && is(at - axis * voxel * 1.5))
+    let reach = DVec3::from_array(texture.size().map(|n| 1.5 / f64::from(n)));
+    let is = |x: f64, y: f64, z: f64| {
+        let place = at + reach * DVec3::new(x, y, z);
+        texture.label_at(place.as_vec3().to_array()) == Some(label)
+    };
+    const STEPS: [f64; 3] = [0.0, -1.0, 1.0];
+    STEPS.iter().all(|&z| STEPS.iter().all(|&y| STEPS.iter().all(|&x| is(x, y, z))))
 }
