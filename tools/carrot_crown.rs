@@ -8,14 +8,13 @@
 
 #[allow(dead_code)] // what paints whole exemplars is for others
 mod brush;
+mod stamp;
 
 use std::f64::consts::{PI, TAU};
-use std::path::Path;
 use std::process::ExitCode;
 
-use brush::{Paint, mix, noise, srgb, step};
-use lapis::colour::encode;
-use lapis::volume::{self, SolidTexture};
+use brush::{mix, noise, srgb, step};
+use stamp::Dab;
 
 /// Voxels along x, y and z.
 const SIZE: [u32; 3] = [64, 12, 64];
@@ -24,45 +23,14 @@ const UNIT: [f64; 3] = [26.0, 10.0, 26.0];
 /// Leaves, from the youngest in the middle on; each stands a golden angle on from the one before.
 const LEAVES: u32 = 24;
 const GOLDEN: f64 = 2.399_963;
-/// Samples along each side of a voxel.
-const SAMPLES: u32 = 3;
 
 fn main() -> ExitCode {
-    let voxels = (0..SIZE.iter().product()).map(voxel).collect();
-    let written =
-        SolidTexture::new(SIZE, voxels, [false; 3]).map_err(|e| e.to_string()).and_then(|texture| {
-            volume::write(Path::new("exemplars/carrot-crown.nrrd"), &texture).map_err(|e| e.to_string())
-        });
-    match written {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(e) => {
-            eprintln!("{e}");
-            ExitCode::FAILURE
-        }
-    }
-}
-
-/// The mean of some samples, in linear light; colours weigh as much as they are opaque.
-fn voxel(n: u32) -> [u8; 4] {
-    let corner = [n % SIZE[0], n / SIZE[0] % SIZE[1], n / SIZE[0] / SIZE[1]];
-    let mut sum = [0.0; 4];
-    for s in 0..SAMPLES.pow(3) {
-        let part = [s % SAMPLES, s / SAMPLES % SAMPLES, s / SAMPLES / SAMPLES];
-        let p = [0, 1, 2].map(|a| {
-            let at = f64::from(corner[a]) + (f64::from(part[a]) + 0.5) / f64::from(SAMPLES);
-            (at / f64::from(SIZE[a]) - 0.5) * UNIT[a]
-        });
-        let (paint, alpha) = colour(p);
-        (0..3).for_each(|c| sum[c] += paint[c] * alpha);
-        sum[3] += alpha;
-    }
-    let alpha = sum[3].max(1e-9);
-    let count = f64::from(SAMPLES.pow(3));
-    encode([sum[0] / alpha, sum[1] / alpha, sum[2] / alpha, sum[3] / count].map(|c| c as f32))
+    let place = |at: [f64; 3]| [0, 1, 2].map(|a| (at[a] / f64::from(SIZE[a]) - 0.5) * UNIT[a]);
+    stamp::program("carrot-crown", SIZE, [3; 3], |at| colour(place(at)), None)
 }
 
 /// Paint and how opaque it is, at a place in millimetres about the crown's middle.
-fn colour([x, y, z]: [f64; 3]) -> (Paint, f64) {
+fn colour([x, y, z]: [f64; 3]) -> Dab {
     let q = [x / UNIT[0] + 0.5, 0.0, z / UNIT[2] + 0.5];
     let rough = noise(q, [13, 1, 13], 1) + 0.5 * noise(q, [27, 1, 27], 2);
     let far = x.hypot(z) + 0.5 * rough;

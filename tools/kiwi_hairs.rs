@@ -8,20 +8,17 @@
 
 #[allow(dead_code)] // what paints whole exemplars is for others
 mod brush;
+mod stamp;
 
-use std::path::Path;
 use std::process::ExitCode;
 
 use brush::{Dice, Paint, mix, srgb, step};
-use lapis::colour::encode;
-use lapis::volume::{self, SolidTexture};
+use stamp::Dab;
 
 /// Voxels along x, y and z.
 const SIZE: [u32; 3] = [56, 3, 56];
 /// How many hairs a tuft has.
 const HAIRS: u32 = 20;
-/// Samples along each side of a voxel.
-const SAMPLES: u32 = 4;
 
 /// A hair: a thin arc from its root to its tip, in voxels.
 struct Hair {
@@ -35,21 +32,7 @@ struct Hair {
 
 fn main() -> ExitCode {
     let hairs = hairs();
-    let flat: Vec<[u8; 4]> =
-        (0..SIZE[0] * SIZE[2]).map(|n| voxel(&hairs, n % SIZE[0], n / SIZE[0])).collect();
-    let at = |n: u32| flat[(n / SIZE[0] / SIZE[1] * SIZE[0] + n % SIZE[0]) as usize];
-    let voxels = (0..SIZE.iter().product()).map(at).collect();
-    let written =
-        SolidTexture::new(SIZE, voxels, [false; 3]).map_err(|e| e.to_string()).and_then(|texture| {
-            volume::write(Path::new("exemplars/kiwi-hairs.nrrd"), &texture).map_err(|e| e.to_string())
-        });
-    match written {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(e) => {
-            eprintln!("{e}");
-            ExitCode::FAILURE
-        }
-    }
+    stamp::program("kiwi-hairs", SIZE, [4, 1, 4], |[x, _, z]| colour(&hairs, x, z), None)
 }
 
 fn hairs() -> Vec<Hair> {
@@ -77,29 +60,20 @@ fn hairs() -> Vec<Hair> {
         .collect()
 }
 
-/// The mean of some samples, in linear light; colours weigh as much as they are opaque.
-fn voxel(hairs: &[Hair], i: u32, k: u32) -> [u8; 4] {
-    let mut sum = [0.0; 4];
-    for s in 0..SAMPLES.pow(2) {
-        let at = |n: u32, s: u32| f64::from(n) + (f64::from(s) + 0.5) / f64::from(SAMPLES);
-        let (x, z) = (at(i, s % SAMPLES), at(k, s / SAMPLES));
-        let mut here: [f64; 4] = [0.0; 4];
-        for hair in hairs {
-            let (s, c) = hair.angle.sin_cos();
-            let (a, b) = (x - hair.root[0], z - hair.root[1]);
-            let t = (c * a + s * b) / hair.length;
-            let off = (c * b - s * a) - hair.bend * t * t;
-            // Thinner towards the tip.
-            let cover = step(1.0, 0.55, off.abs() / (0.85 - 0.45 * t.clamp(0.0, 1.0)));
-            let cover = 0.9 * cover * step(-0.02, 0.04, t) * step(1.0, 0.85, t);
-            if cover > here[3] {
-                here = [hair.paint[0], hair.paint[1], hair.paint[2], cover];
-            }
+/// The hair that covers a place most, in voxels.
+fn colour(hairs: &[Hair], x: f64, z: f64) -> Dab {
+    let mut here: Dab = ([0.0; 3], 0.0);
+    for hair in hairs {
+        let (s, c) = hair.angle.sin_cos();
+        let (a, b) = (x - hair.root[0], z - hair.root[1]);
+        let t = (c * a + s * b) / hair.length;
+        let off = (c * b - s * a) - hair.bend * t * t;
+        // Thinner towards the tip.
+        let cover = step(1.0, 0.55, off.abs() / (0.85 - 0.45 * t.clamp(0.0, 1.0)));
+        let cover = 0.9 * cover * step(-0.02, 0.04, t) * step(1.0, 0.85, t);
+        if cover > here.1 {
+            here = (hair.paint, cover);
         }
-        (0..3).for_each(|n| sum[n] += here[n] * here[3]);
-        sum[3] += here[3];
     }
-    let alpha = sum[3].max(1e-9);
-    let count = f64::from(SAMPLES.pow(2));
-    encode([sum[0] / alpha, sum[1] / alpha, sum[2] / alpha, sum[3] / count].map(|c| c as f32))
+    here
 }

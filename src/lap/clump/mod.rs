@@ -10,21 +10,17 @@
 //! second one where the prediction disagrees with the first. The clump is then a piece of a covering of the
 //! mesh, slit where the two ends meet, and the slit lies where the mask has long ended.
 
+mod edge;
+mod judge;
+
 use glam::DVec3;
 
-use super::coverage::{Alpha, MaskTable, POINTS, Presence, lattice_point, sample_lattice};
-use super::feather::feathered;
+use super::coverage::{MaskTable, Presence, lattice_point};
 use super::frames::PatchFrames;
 use super::optimise::{Anchor, Element, optimise};
-use super::pasted::{Fit, Ground, INVERTED, Pasted, Seed, columns};
-use super::solid::interpolate;
+use super::pasted::{Ground, Pasted, Seed, columns};
 use crate::mesh::{NONE, TET_FACES, TetMesh};
 use crate::volume::AlphaMask;
-
-/// Where a clump ends at a mask above this, its facets show.
-const SEAM: f32 = 16.0 / 255.0;
-/// The least determinant over the product of the column lengths: less is sheared flat.
-const SHEAR: f64 = 0.02;
 
 /// Scratch memory of one worker: a clump's members by tetrahedron, and the first of its vertices by mesh
 /// vertex.
@@ -336,70 +332,6 @@ impl<'a> Clump<'a> {
         )
     }
 
-    fn is_bad(&self, m: &Member) -> bool {
-        let limit = self.ground.params.max_stretch;
-        let columns = self.columns(m);
-        let det = columns[0].dot(columns[1].cross(columns[2]));
-        let lengths = columns.map(DVec3::length);
-        let product: f64 = lengths.iter().product();
-        det <= INVERTED.max(SHEAR * product) || lengths.iter().any(|&l| l > limit || l * limit < 1.0)
-    }
-
-    /// Inverted and badly stretched tetrahedra leave, and with them what hangs on them alone; but for the
-    /// `last` time also those that the mask does not reach, for they only pull at the others. Gives how many
-    /// left; `None` where the seed's own tetrahedron is bad.
-    fn prune(&mut self, last: bool) -> Option<usize> {
-        let bad: Vec<bool> = self.members.iter().map(|m| self.is_bad(m)).collect();
-        if bad[0] {
-            return None;
-        }
-        let gone: Vec<bool> = (self.members.iter().zip(&bad))
-            .map(|(m, &bad)| bad || !last && self.table.over_points(&self.uvw(m)) == Presence::Absent)
-            .collect();
-        if !gone.contains(&true) {
-            return Some(0);
-        }
-        let mut stays = vec![false; self.members.len()];
-        stays[0] = true;
-        let mut queue = vec![0usize];
-        while let Some(m) = queue.pop() {
-            for (k, n) in self.ground.mesh.neighbours[self.members[m].tet as usize].into_iter().enumerate() {
-                if let Some(other) = self.member(n)
-                    && !gone[other]
-                    && !stays[other]
-                    && self.joined(m, k, other)
-                {
-                    stays[other] = true;
-                    queue.push(other);
-                }
-            }
-        }
-        let members = std::mem::take(&mut self.members);
-        let corners = std::mem::take(&mut self.corners);
-        for m in &members {
-            self.work.tet[m.tet as usize] = NONE;
-        }
-        for c in &corners {
-            self.work.vertex[c.vertex as usize] = NONE;
-        }
-        let mut renumbered = vec![NONE; corners.len()];
-        for (n, m) in members.iter().enumerate() {
-            if stays[n] {
-                let corners = m.corners.map(|c| {
-                    if renumbered[c as usize] == NONE {
-                        let corner = &corners[c as usize];
-                        renumbered[c as usize] = self.add_corner(corner.vertex, corner.uvw);
-                    }
-                    renumbered[c as usize]
-                });
-                self.add_member(Member { tet: m.tet, corners });
-            } else if bad[n] {
-                self.reject(m.tet);
-            }
-        }
-        Some(stays.iter().filter(|&&s| !s).count())
-    }
-
     /// The member that tetrahedron `t` is, if it is one.
     fn member(&self, t: u32) -> Option<usize> {
         let slot = if t == NONE { NONE } else { self.work.tet[t as usize] };
@@ -410,106 +342,4 @@ impl<'a> Clump<'a> {
     fn joined(&self, m: usize, k: usize, other: usize) -> bool {
         TET_FACES[k].iter().all(|&f| self.members[other].corners.contains(&self.members[m].corners[f]))
     }
-
-    /// The faces that bound the clump inside the model, slits included: member, local face, the tetrahedron
-    /// across.
-    fn edge_faces(&self) -> Vec<(usize, usize, u32)> {
-        let mut faces = Vec::new();
-        for (m, member) in self.members.iter().enumerate() {
-            for (k, &n) in self.ground.mesh.neighbours[member.tet as usize].iter().enumerate() {
-                let inside = self.member(n).is_some_and(|other| self.joined(m, k, other));
-                if n != NONE && !inside {
-                    faces.push((m, k, n));
-                }
-            }
-        }
-        faces
-    }
-
-    /// Where the mask reaches over the clump's edge, the neighbour joins \[LST 5.2.5, end\].
-    fn add_missing(&mut self) {
-        for (m, k, n) in self.edge_faces() {
-            if self.work.tet[n as usize] != NONE {
-                continue;
-            }
-            let corners = self.uvw(&self.members[m]);
-            let face = TET_FACES[k].map(|i| corners[i]);
-            if self.table.over_points(&face) != Presence::Absent && mask_on_face(self.mask, &face, 0.0) > 0.0
-            {
-                self.consider(m, k, n, true);
-            }
-        }
-    }
-
-    /// A mask that fades out before the clump ends, where the clump ends inside the shared one.
-    fn feathered(&self) -> Option<AlphaMask> {
-        let facets: Vec<[DVec3; 3]> = (self.edge_faces().into_iter())
-            .map(|(m, k, _)| TET_FACES[k].map(|i| self.corners[self.members[m].corners[i] as usize].uvw))
-            .filter(|f| mask_on_face(self.mask, &f.map(|p| p.as_vec3().to_array()), SEAM) > 0.0)
-            .collect();
-        feathered(self.mask, &facets, self.centre, self.ground.params.mask.drop_off)
-    }
-
-    fn paste(&self, coverage: &[u8]) -> Pasted {
-        let mesh = self.ground.mesh;
-        let own = if self.ground.holes.is_some() { None } else { self.feathered() };
-        let own_table = own.as_ref().map(MaskTable::new);
-        let mask = own.as_ref().unwrap_or(self.mask);
-        let table = own_table.as_ref().unwrap_or(self.table);
-        let mut pasted = Pasted {
-            exemplar: 0,
-            mask: self.seed.mask,
-            choice: NONE,
-            shift: self.shift.as_vec3().to_array(),
-            own: None,
-            tets: Vec::new(),
-            uvw: Vec::new(),
-            alpha: Vec::new(),
-            fit: Fit::default(),
-        };
-        for m in &self.members {
-            let uvw = self.uvw(m);
-            let (alpha, present) = match table.over_points(&uvw) {
-                Presence::Absent => continue,
-                Presence::Opaque => (Alpha::Opaque, true),
-                Presence::Partial if self.ground.holes.is_some() => (Alpha::Opaque, true),
-                Presence::Partial => {
-                    sample_lattice(mask, &uvw, &coverage[m.tet as usize * POINTS..][..POINTS])
-                }
-            };
-            if present {
-                pasted.fit.add(&self.columns(m), mesh.tet_volume(m.tet as usize));
-            }
-            pasted.tets.push(m.tet);
-            pasted.uvw.push(uvw);
-            pasted.alpha.push(alpha);
-        }
-        for (m, k, _) in self.edge_faces() {
-            let member = &self.members[m];
-            let [a, b, c] =
-                TET_FACES[k].map(|i| mesh.vertices[self.corners[member.corners[i] as usize].vertex as usize]);
-            let area = 0.5 * (b - a).cross(c - a).length();
-            let corners = self.uvw(member);
-            let face = TET_FACES[k].map(|i| corners[i]);
-            pasted.fit.edge += area;
-            if table.over_points(&face) != Presence::Absent {
-                pasted.fit.cut_edge += area * mask_on_face(mask, &face, SEAM);
-            }
-        }
-        pasted.own = own;
-        pasted
-    }
-}
-
-/// The part of a face on which the mask is above `least`, by a lattice of 15 points.
-fn mask_on_face(mask: &AlphaMask, face: &[[f32; 3]; 3], least: f32) -> f64 {
-    let corners = [face[0], face[1], face[2], face[2]];
-    let mut above = 0;
-    for a in 0..=4u8 {
-        for b in 0..=4 - a {
-            let [a, b] = [a, b].map(|e| f32::from(e) / 4.0);
-            above += usize::from(mask.sample(interpolate(&corners, [a, b, 1.0 - a - b, 0.0])) > least);
-        }
-    }
-    above as f64 / 15.0
 }
