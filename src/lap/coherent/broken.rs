@@ -128,3 +128,99 @@ fn beside(mesh: &TetMesh, direct: &Direct, t: u32, k: usize, n: u32) -> [i32; 3]
     let j = mesh.tets[n as usize].iter().position(|&w| w == v).expect("neighbours share a face");
     periods(direct.any(t as usize)[i], direct.any(n as usize)[j])
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use super::*;
+    use crate::field::FrameField;
+    use crate::lap::coherent::direct;
+    use crate::lap::coherent::tests::{bend, bricks};
+    use crate::lap::{Coherent, FillParams, Rows, TextureType};
+
+    /// Which particles hang together, found by looking at all of them.
+    #[derive(Default)]
+    struct Together {
+        of: Vec<usize>,
+        numbers: HashMap<(u32, Particle), usize>,
+    }
+
+    impl Together {
+        fn number(&mut self, t: u32, p: Particle) -> usize {
+            let next = self.of.len();
+            let number = *self.numbers.entry((t, p)).or_insert(next);
+            if number == next {
+                self.of.push(next);
+            }
+            number
+        }
+
+        fn root(&self, mut n: usize) -> usize {
+            while self.of[n] != n {
+                n = self.of[n];
+            }
+            n
+        }
+
+        fn join(&mut self, a: usize, b: usize) {
+            let (a, b) = (self.root(a), self.root(b));
+            self.of[a.max(b)] = a.min(b);
+        }
+    }
+
+    #[test]
+    fn particles_are_broken_that_hang_together_with_an_end() {
+        let (mesh, fields) = bend(5);
+        let texture = bricks();
+        let frames = FrameField::new(&mesh, &fields, TextureType::Type2a.given());
+        let params = FillParams { coherent: Coherent::True, rows: Rows::End, ..FillParams::default() };
+        let exec = Exec::default();
+        let (_, direct) = direct(&mesh, &frames, [None; 3], &texture, &params, &exec).unwrap().unwrap();
+        let lifts = Lifts::new(&texture, texture.labels().unwrap()).unwrap();
+        let found = broken(&mesh, &direct, &lifts, &exec).unwrap();
+
+        // Number 0 is the end itself.
+        let mut together = Together { of: vec![0], ..Together::default() };
+        let regular = |t: u32| t != NONE && direct.regular(t as usize).is_some();
+        for t in (0..index(mesh.tets.len())).filter(|&t| regular(t)) {
+            for k in 0..4 {
+                let n = mesh.neighbours[t as usize][k];
+                let at_end = n != NONE && (!regular(n) || direct.seams.contains(&(t, k as u8)));
+                let uvw = direct.any(t as usize);
+                let face = TET_FACES[k].map(|i| uvw[i]);
+                let mut here = HashSet::new();
+                for b in on_face(60) {
+                    lifts.any_near((0..3).map(|n| face[n] * b[n]).sum(), |p| {
+                        here.insert(p);
+                        false
+                    });
+                }
+                for p in here {
+                    let number = together.number(t, p);
+                    if at_end {
+                        together.join(0, number);
+                    } else if n != NONE {
+                        let v = mesh.tets[t as usize][TET_FACES[k][0]];
+                        let corner = mesh.tets[n as usize].iter().position(|&w| w == v).unwrap();
+                        let on = direct.any(n as usize)[corner] - uvw[TET_FACES[k][0]];
+                        let there = together.number(n, p.moved(on.round().as_ivec3().to_array()));
+                        together.join(number, there);
+                    }
+                }
+            }
+        }
+        let (mut whole, mut ended, mut other) = (0, 0, 0);
+        for (&(t, p), &number) in &together.numbers {
+            match (together.root(number) == 0, found[t as usize].contains(&p)) {
+                (true, true) => ended += 1,
+                (false, false) => whole += 1,
+                // What shows between two steps along a face only.
+                _ => other += 1,
+            }
+        }
+        assert!(whole > 500 && ended > 100 && other * 200 < ended, "{whole} {ended} {other}");
+        let all: usize = found.iter().map(BTreeSet::len).sum();
+        assert!(all <= ended + other, "{all} {ended}");
+    }
+}

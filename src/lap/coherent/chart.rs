@@ -257,4 +257,37 @@ mod tests {
         }
         assert!(found > 150 && ends > 10 && out > 10, "{found} {ends} {out}");
     }
+
+    #[test]
+    fn coordinates_that_are_flat_have_no_places_and_end_no_walk() {
+        let mesh = grid(3);
+        let tets: Vec<u32> = (0..mesh.tets.len() as u32).collect();
+        // The third coordinate is a half all over.
+        let flat = |t: &u32| mesh.corners(*t as usize).map(|p| [p.x as f32, p.y as f32, 0.5]);
+        let uvw = tets.iter().map(flat).collect();
+        let patch = layer(tets, uvw, 0);
+        let sheet = Sheet::new(&mesh, &patch);
+        assert_eq!(sheet.walk(0, DVec3::new(0.7, 0.7, 0.5)), Err(()));
+        // Boxes alone decide what lies under one.
+        let reach = DVec3::new(0.2, 0.2, 0.1);
+        let under = sheet.under(0, DVec3::new(0.1, 0.1, 0.5), reach);
+        assert!(under.len() > 6 && under.len() < mesh.tets.len(), "{}", under.len());
+        assert_eq!(sheet.under(0, DVec3::new(0.1, 0.1, 0.8), reach), [0]);
+    }
+
+    #[test]
+    fn straight_coordinates_end_at_a_ridge_of_a_given_field() {
+        let mesh = grid(4);
+        // From both sides it rises towards the middle.
+        let depth: Vec<f64> = mesh.vertices.iter().map(|p| 1.0 - 2.0 * (p.z - 0.5).abs()).collect();
+        let frame = Frame { world_from_texture: DMat3::IDENTITY, texture_from_world: DMat3::IDENTITY };
+        let given = [None, None, Some(depth.as_slice())];
+        let chart = Straight { mesh: &mesh, given, origin: DVec3::ZERO, frame };
+        let height = |slot: usize| mesh.corners(slot).iter().map(|p| p.z).sum::<f64>() / 4.0;
+        let slot = (0..mesh.tets.len()).find(|&slot| height(slot) < 0.2).unwrap();
+        let under = chart.under(slot, DVec3::splat(0.5), DVec3::splat(2.0));
+        // All below the ridge and none above, where the same coordinates come again.
+        assert_eq!(under.len(), mesh.tets.len() / 2);
+        assert!(under.iter().all(|&slot| height(slot) < 0.5));
+    }
 }

@@ -212,4 +212,28 @@ mod tests {
         };
         assert_eq!((near(3.6), near(2.6), near(2.4)), (vec![here], vec![here], vec![at(1.0, 0.2).unwrap()]));
     }
+
+    #[test]
+    fn what_has_no_copies_that_end_is_refused() {
+        let lifts = |size: [usize; 3], tiles: [bool; 3], label: &dyn Fn([usize; 3]) -> bool| {
+            let at = |v: usize| [v % size[0], v / size[0] % size[1], v / size[0] / size[1]];
+            let labels: Vec<u32> = (0..size.iter().product()).map(|v| u32::from(label(at(v)))).collect();
+            let texture =
+                SolidTexture::new(size.map(|n| n as u32), vec![[9; 4]; labels.len()], tiles).unwrap();
+            Lifts::new(&texture, &labels).is_some()
+        };
+        // Along an axis of one voxel all that is there is beside itself.
+        assert!(!lifts([4, 4, 1], [true; 3], &|[x, y, _]| x == 1 && y == 1));
+        assert!(lifts([4, 4, 1], [true, true, false], &|[x, y, _]| x == 1 && y == 1));
+        // A helix around x that rises by four voxels a turn: it never meets itself, however often it winds.
+        let helix = |[x, y, _]: [usize; 3]| match y % 4 {
+            0 => x <= 4,
+            1 => x == 4,
+            2 => x >= 4 || x == 0,
+            _ => x == 0,
+        };
+        let turns =
+            |n: usize| lifts([8, 4 * n, 2], [true, false, false], &|[x, y, z]| z == 0 && helix([x, y, z]));
+        assert!(turns(40) && !turns(120));
+    }
 }

@@ -144,9 +144,12 @@ impl<'a> Mason<'a> {
         let joint = (self.joint / c.form.reach).min(DVec3::splat(JOINT) * c.size);
         let size = c.size + joint.max(voxel / c.form.reach);
         let of = of.filter(|_| c.size == DVec3::ONE);
+        let free = self.free_axes();
         let mut slot = c.slot;
         let mut is_free = |point: usize| {
             let place = c.at + (c.form.points[point] - c.form.middle) * size;
+            // What is given ends with the model.
+            let place = DVec3::select(free, place, place.clamp(DVec3::ZERO, DVec3::ONE));
             self.is_free(chart, &mut slot, place, of, since)
         };
         if !is_free(*last) {

@@ -6,6 +6,9 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::exec::Exec;
+use crate::lap::coverage::{POINTS, lattice_point};
+use crate::lap::measure::{anywhere_inside, numbers};
+use crate::lap::solid::interpolate;
 use crate::lap::{Coherent, Fields, FillError, FillParams, FillReport, LappedSolid, Rows, TextureType, fill};
 use crate::mesh::TetMesh;
 use crate::mesh::shapes::{ball, grid, mapped};
@@ -17,7 +20,7 @@ const BRICK: [usize; 3] = [12, 12, 6];
 const JOINT: usize = 2;
 
 /// Four courses along z of two bricks along x, shifted from course to course; two bricks deep.
-fn bricks() -> SolidTexture {
+pub(super) fn bricks() -> SolidTexture {
     let brick = |v: usize| -> u32 {
         let [x, y, z] = [v % SIDE, v / SIDE % SIDE, v / SIDE / SIDE];
         let course = z / BRICK[2];
@@ -37,7 +40,7 @@ fn bricks() -> SolidTexture {
 }
 
 /// A quarter of a ring about z, from radius 1 to 2, one high; its bricks lie along the ring.
-fn bend(n: usize) -> (TetMesh, Fields) {
+pub(super) fn bend(n: usize) -> (TetMesh, Fields) {
     let mesh = mapped(&grid(n), |p| {
         let (r, angle) = (1.0 + p.x, p.y * TAU / 4.0);
         DVec3::new(r * angle.cos(), r * angle.sin(), p.z)
@@ -121,6 +124,38 @@ fn where_rows_end_particles_are_whole_or_not_there() {
     assert!(LappedSolid::from_bytes(&bytes).unwrap() == solid);
     // And so they are on one thread.
     assert!(filled(Coherent::True, Rows::End, 1).0.to_bytes() == bytes);
+}
+
+#[test]
+fn no_two_particles_are_at_one_place() {
+    let (solid, _) = filled(Coherent::True, Rows::End, 2);
+    // How many layers would show a particle at a place, were the others not there.
+    let particles = |t: usize, b: [f32; 4]| {
+        let shows = |layer: &usize| {
+            let patch = solid.patches[solid.layer_patch[*layer] as usize];
+            let uvw = interpolate(&solid.layer_uvw[*layer], b);
+            let label = solid.exemplars[patch.exemplar as usize].label_at(patch.texture_at(uvw)).unwrap_or(0);
+            let taken = solid.choices.get(patch.choice as usize).is_none_or(|choice| choice.takes(label));
+            label != 0 && taken && solid.masks[patch.mask as usize].sample(uvw) > 0.5
+        };
+        solid.layers(t).filter(shows).count()
+    };
+    let (mut matrix, mut one) = (0, 0);
+    let count = solid.mesh.tets.len();
+    for (t, n) in (0..count).flat_map(|t| (0..POINTS).map(move |n| (t, n))) {
+        match particles(t, lattice_point(n)) {
+            0 => matrix += 1,
+            1 => one += 1,
+            more => panic!("{more} particles in tetrahedron {t} at {:?}", lattice_point(n)),
+        }
+    }
+    assert!(matrix > 10_000 && one > 10_000, "{matrix} {one}");
+    // And between the points at which that is looked for.
+    let two = (0..40_000usize).filter(|n| {
+        let b = anywhere_inside(&mut numbers(5, *n)).map(|b| b as f32);
+        particles(n * 7919 % count, b) > 1
+    });
+    assert!(two.count() < 4);
 }
 
 #[test]
