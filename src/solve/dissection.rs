@@ -7,10 +7,9 @@ use super::Entry;
 /// Parts this small are left in the order they have.
 const LEAF: usize = 64;
 
-/// Geometric nested dissection: halves the unknowns across their longest side, puts those of the first half
-/// that touch the second last, and goes on in both halves. For the smoothing matrices of tetrahedral
-/// meshes this is as quick as approximate minimum degree at 5,000 tetrahedra and takes half its time
-/// at 100,000.
+/// Geometric nested dissection: halves the unknowns across their longest side, puts as few of them last as
+/// part the halves, and goes on in both. For the smoothing matrices of tetrahedral meshes this is as quick
+/// as approximate minimum degree at 5,000 tetrahedra and takes less than half its time at 100,000.
 ///
 /// Returns the unknowns in the order in which they should be eliminated.
 ///
@@ -36,7 +35,15 @@ pub fn nested_dissection<T>(places: &[DVec3], lower: &[Entry<T>]) -> Vec<usize> 
             end[a] += 1;
         }
     }
-    let mut work = Dissection { places, start, neighbours, part: vec![0; n], parts: 0, order: Vec::new() };
+    let mut work = Dissection {
+        places,
+        start,
+        neighbours,
+        part: vec![0; n],
+        parts: 0,
+        number: vec![0; n],
+        order: Vec::new(),
+    };
     work.order.reserve(n);
     work.split(&mut (0..n).collect::<Vec<_>>());
     work.order
@@ -49,6 +56,8 @@ struct Dissection<'a> {
     /// The number of the half that an unknown was last put into.
     part: Vec<usize>,
     parts: usize,
+    /// The number of an unknown among those of the second half that touch the first; of others anything.
+    number: Vec<usize>,
     order: Vec<usize>,
 }
 
@@ -64,27 +73,106 @@ impl Dissection<'_> {
             lo = lo.min(self.places[v]);
             hi = hi.max(self.places[v]);
         }
-        let size = hi - lo;
-        let axis = (0..3).fold(0, |a, b| if size[b] > size[a] { b } else { a });
+        let size = (hi - lo).to_array();
+        let longest = size.into_iter().fold(0.0, f64::max);
         let middle = set.len() / 2;
-        set.select_nth_unstable_by(middle, |&a, &b| {
-            self.places[a][axis].total_cmp(&self.places[b][axis]).then(a.cmp(&b))
+        // The best cut is mostly, but not always, across the longest side.
+        let cuts = (0..3).filter(|&axis| size[axis] >= 0.6 * longest).map(|axis| {
+            set.select_nth_unstable_by(middle, |&a, &b| {
+                self.places[a][axis].total_cmp(&self.places[b][axis]).then(a.cmp(&b))
+            });
+            self.parts += 1;
+            for &v in &set[middle..] {
+                self.part[v] = self.parts;
+            }
+            (self.cover(&set[..middle]), set.to_vec())
         });
-        let (first, second) = set.split_at_mut(middle);
-        self.parts += 1;
-        for &v in second.iter() {
-            self.part[v] = self.parts;
+        let best = cuts.min_by_key(|(apart, _)| apart.len());
+        let Some((apart, set)) = best else { return };
+        let (first, second) = set.split_at(middle);
+        for &v in &apart {
+            self.part[v] = usize::MAX;
         }
-        let touches = |v: usize| {
-            let beside = &self.neighbours[self.start[v]..self.start[v + 1]];
-            beside.iter().any(|&w| self.part[w] == self.parts)
+        let rest = |half: &[usize]| -> Vec<usize> {
+            half.iter().copied().filter(|&v| self.part[v] != usize::MAX).collect()
         };
-        let (mut separator, mut rest): (Vec<usize>, Vec<usize>) =
-            first.iter().copied().partition(|&v| touches(v));
-        self.split(&mut rest);
-        self.split(second);
-        separator.sort_unstable();
-        self.order.extend(separator);
+        let (mut first, mut second) = (rest(first), rest(second));
+        self.split(&mut first);
+        self.split(&mut second);
+        self.order.extend(apart);
+    }
+
+    /// The fewest unknowns of both halves without which nothing of the first touches anything of the second: a least vertex
+    /// cover of the entries between them, by Kőnig's theorem from a greatest matching. Rising.
+    fn cover(&mut self, first: &[usize]) -> Vec<usize> {
+        let (mut left, mut right) = (Vec::new(), Vec::new());
+        // For each of the left those of the right that it touches.
+        let mut touched: Vec<Vec<usize>> = Vec::new();
+        for &v in first {
+            let mut here = Vec::new();
+            for &w in &self.neighbours[self.start[v]..self.start[v + 1]] {
+                if self.part[w] != self.parts {
+                    continue;
+                }
+                if right.get(self.number[w]) != Some(&w) {
+                    self.number[w] = right.len();
+                    right.push(w);
+                }
+                here.push(self.number[w]);
+            }
+            if !here.is_empty() {
+                left.push(v);
+                touched.push(here);
+            }
+        }
+        let mut of_left: Vec<Option<usize>> = vec![None; left.len()];
+        let mut of_right: Vec<Option<usize>> = vec![None; right.len()];
+        for (l, here) in touched.iter().enumerate() {
+            if let Some(&r) = here.iter().find(|&&r| of_right[r].is_none()) {
+                (of_left[l], of_right[r]) = (Some(r), Some(l));
+            }
+        }
+        // Paths that alternate between entries outside and inside the matching, from one that is not matched on.
+        let mut from = vec![None; right.len()];
+        let reach = |starts: Vec<usize>, from: &mut [Option<usize>], of_right: &[Option<usize>]| {
+            let mut queue = starts;
+            let mut next = 0;
+            while let Some(&l) = queue.get(next) {
+                next += 1;
+                for &r in &touched[l] {
+                    if from[r].is_none() {
+                        from[r] = Some(l);
+                        match of_right[r] {
+                            Some(other) => queue.push(other),
+                            None => return (Some(r), queue),
+                        }
+                    }
+                }
+            }
+            (None, queue)
+        };
+        for start in 0..left.len() {
+            if of_left[start].is_some() {
+                continue;
+            }
+            from.fill(None);
+            let (mut end, _) = reach(vec![start], &mut from, &of_right);
+            while let Some(r) = end {
+                let l = from[r].expect("it was reached");
+                end = of_left[l];
+                (of_left[l], of_right[r]) = (Some(r), Some(l));
+            }
+        }
+        from.fill(None);
+        let unmatched = (0..left.len()).filter(|&l| of_left[l].is_none()).collect();
+        let (_, reached) = reach(unmatched, &mut from, &of_right);
+        let mut is_reached = vec![false; left.len()];
+        reached.iter().for_each(|&l| is_reached[l] = true);
+        let of_first = left.iter().zip(&is_reached).filter(|(_, reached)| !**reached).map(|(v, _)| *v);
+        let of_second = right.iter().zip(&from).filter(|(_, from)| from.is_some()).map(|(v, _)| *v);
+        let mut cover: Vec<usize> = of_first.chain(of_second).collect();
+        cover.sort_unstable();
+        cover
     }
 }
 

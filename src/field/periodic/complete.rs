@@ -56,7 +56,7 @@ fn beside(mesh: &TetMesh, axes: &[DVec3], first: DVec3, exec: &Exec) -> Result<V
         .collect();
     let size = mesh.volume().cbrt();
     let masses = web.masses(mesh, &vec![size; mesh.tets.len()]);
-    let z = solve::phases(&web, &turns, &masses, exec)?;
+    let z = solve::phases(&web, &turns, &masses, &solve::order(&web), exec)?;
     let field: Vec<DVec3> = bases.iter().zip(&z).map(|([x, y], z)| *x * z.re + *y * z.im).collect();
     Ok((mesh.tets.iter().zip(axes))
         .map(|(tet, axis)| perpendicular(tet.iter().map(|&v| field[v as usize]).sum(), *axis))

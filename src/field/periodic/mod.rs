@@ -60,13 +60,14 @@ impl Periodic {
         let web = Web::new(mesh, seams);
         let _stage = exec.stage("periodic coordinates", 0);
         let axes: Vec<usize> = (0..3).filter(|&axis| wanted[axis]).collect();
+        let order = solve::order(&web);
         let solved: Vec<_> = (axes.par_iter())
             .map(|&axis| {
                 let lengths: Vec<f64> = (0..mesh.tets.len()).map(|t| frames.lengths(t)[axis]).collect();
                 let covectors: Vec<DVec3> =
                     lengths.iter().enumerate().map(|(t, length)| unit(frames, axis, t) / *length).collect();
                 let rise = web.steps(mesh, &covectors);
-                let z = solve::phases(&web, &rise, &web.masses(mesh, &lengths), exec)?;
+                let z = solve::phases(&web, &rise, &web.masses(mesh, &lengths), &order, exec)?;
                 Ok(unwrapped(&web, &rise, &z))
             })
             .collect::<Result<_, PeriodicError>>()?;

@@ -22,11 +22,13 @@ const LEAST: f64 = 1e-7;
 
 /// Numbers z at the nodes whose phases rise along each edge, from its first node to its second, by `rise` periods, as
 /// nearly as can be: those that minimise Σ w |z_b − e^{2πi rise} z_a|² (the eigenvector of the smallest eigenvalue, by
-/// inverse iteration), then drawn towards length 1 by steps (A + μM) z′ = μ M z/|z|. `masses` are M.
+/// inverse iteration), then drawn towards length 1 by steps (A + μM) z′ = μ M z/|z|. `masses` are M; `order`
+/// is that in which nodes are eliminated, the same for all axes.
 pub(super) fn phases(
     web: &Web,
     rise: &[f64],
     masses: &[f64],
+    order: &[usize],
     exec: &Exec,
 ) -> Result<Vec<c64>, PeriodicError> {
     let nodes = web.places.len();
@@ -38,14 +40,13 @@ pub(super) fn phases(
         diagonal[b] += weight;
         lower.push(Entry::new(b, a, -c64::from_polar(*weight, TAU * rise)));
     }
-    let order = nested_dissection(&web.places, &lower);
     for (n, d) in diagonal.iter().enumerate() {
         lower.push(Entry::new(n, n, c64::new(d * (1.0 + LEAST), 0.0)));
     }
     let parts = parts(web);
     let mut z: Vec<c64> = (0..nodes).map(anything).collect();
     normalise(&mut z, masses, &parts);
-    let factor = HermitianFactor::ordered(&order, &lower)?;
+    let factor = HermitianFactor::ordered(order, &lower)?;
     let mut last = vec![f64::INFINITY; parts.count];
     for _ in 0..ITERATIONS {
         exec.check()?;
@@ -68,7 +69,7 @@ pub(super) fn phases(
         lower.push(Entry::new(n, n, c64::new(PULL * m, 0.0)));
     }
     exec.check()?;
-    let factor = HermitianFactor::ordered(&order, &lower)?;
+    let factor = HermitianFactor::ordered(order, &lower)?;
     for _ in 0..ROUNDINGS {
         exec.check()?;
         let before: Vec<c64> = z.iter().map(|z| rounded(*z)).collect();
@@ -83,6 +84,12 @@ pub(super) fn phases(
         }
     }
     Ok(z)
+}
+
+/// The order in which the nodes of a web are best eliminated.
+pub(super) fn order(web: &Web) -> Vec<usize> {
+    let joined = web.edges.iter().map(|&[a, b]| Entry::new(b as usize, a as usize, 1.0));
+    nested_dissection(&web.places, &joined.collect::<Vec<_>>())
 }
 
 /// The number of length 1 in the same direction; 0 for 0.

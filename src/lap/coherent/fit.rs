@@ -27,7 +27,7 @@ const SPACING: f64 = 0.2;
 /// The most places in a tetrahedron.
 const PLACES: usize = 20;
 /// How often places are looked for in what is left.
-const ROUNDS: u64 = 6;
+const ROUNDS: u64 = 4;
 /// The particles of a patch are taken where it is stretched by at most this, either way, ...
 const STRETCH: f64 = 1.8;
 /// ... and the determinant of J·\[R S T\] is at least this part of the product of its columns' lengths.

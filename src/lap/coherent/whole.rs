@@ -7,6 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::chart::coordinates;
 use super::direct::Direct;
@@ -38,13 +39,14 @@ pub(in crate::lap) struct Layered {
 pub(super) fn base(ground: &Ground<'_>, direct: &Direct, tets: Vec<u32>, everywhere: u32) -> Pasted {
     let frames = PatchFrames::new(&direct.asked, 0, glam::DQuat::IDENTITY);
     let mut fit = Fit::default();
-    let mut uvw = Vec::with_capacity(tets.len());
-    for &t in &tets {
-        let t = t as usize;
-        let own = direct.any(t);
-        fit.add(&columns(&frames.frame(t), &ground.mesh.gradients(t), &own), ground.mesh.tet_volume(t));
-        uvw.push(near(own));
+    let own = |t: &u32| {
+        columns(&frames.frame(*t as usize), &ground.mesh.gradients(*t as usize), &direct.any(*t as usize))
+    };
+    let all: Vec<[DVec3; 3]> = tets.par_iter().map(own).collect();
+    for (t, columns) in tets.iter().zip(&all) {
+        fit.add(columns, ground.mesh.tet_volume(*t as usize));
     }
+    let uvw = tets.iter().map(|t| near(direct.any(*t as usize))).collect();
     Pasted { fit, ..layer(tets, uvw, everywhere) }
 }
 
