@@ -97,14 +97,18 @@ pub fn fill(
         mapped::check(&mesh, given(&fields, kind))?;
         let texture = followed(texture, kind);
         let mut frames = FrameField::new(&mesh, &fields, kind.given());
-        let found = coherent::direct(&mesh, &frames, given(&fields, kind), &texture, params, exec)?;
-        let direct = found.map(|(agreeing, direct)| {
+        let given = given(&fields, kind);
+        let (found, lifts) = rayon::join(
+            || coherent::direct(&mesh, &frames, given, &texture, params, exec),
+            || coherent::lifts(&texture, params),
+        );
+        let direct = found?.map(|(agreeing, direct)| {
             frames = agreeing;
             direct
         });
-        let holes = match &direct {
-            Some(direct) => Holes::new(&mesh, given(&fields, kind), direct, &texture, exec)?,
-            None => None,
+        let holes = match (&direct, lifts) {
+            (Some(direct), Some(lifts)) => Some(Holes::new(&mesh, given, direct, lifts, exec)?),
+            _ => None,
         };
         let masks: Vec<AlphaMask> = match kind.given() {
             [true, _, true] => vec![AlphaMask::cube()],
@@ -116,7 +120,7 @@ pub fn fill(
         let ground = Ground {
             mesh: &mesh,
             frames: &frames,
-            given: given(&fields, kind),
+            given,
             masks: &masks,
             tables: &tables,
             params,
@@ -153,7 +157,7 @@ pub fn fill(
         let stock = Stock { masks, exemplars, choices };
         let regular = direct.as_ref().map(|d| d.regular_share(&mesh));
         let (solid, hidden) = assemble(mesh, fields.clone(), frame, stock, &lapped.pasted, &stacks);
-        let mut measures = FillMeasures::new(&solid, &lapped.fit, lapped.uncovered, given(&fields, kind));
+        let mut measures = FillMeasures::new(&solid, &lapped.fit, lapped.uncovered, given);
         measures.regular_share = regular;
         measures.frame_seams = direct.as_ref().map(|d| d.seams.len() / 2);
         agreement(&solid, kind.given().map(|given| !given), &mut measures, seed, exec)?;

@@ -23,11 +23,11 @@ use crate::lap::seed::mix;
 use crate::mesh::index;
 
 /// Of the volume of an open tetrahedron, this many times that of a mean particle is one place to be filled.
-const SPACING: f64 = 0.2;
+const SPACING: f64 = 0.4;
 /// The most places in a tetrahedron.
-const PLACES: usize = 20;
+const PLACES: usize = 10;
 /// How often places are looked for in what is left.
-const ROUNDS: u64 = 4;
+const ROUNDS: u64 = 6;
 /// The particles of a patch are taken where it is stretched by at most this, either way, ...
 const STRETCH: f64 = 1.8;
 /// ... and the determinant of J·\[R S T\] is at least this part of the product of its columns' lengths.

@@ -5,11 +5,9 @@ use glam::DVec3;
 use super::broken::{ByTet, broken};
 use super::direct::Direct;
 use super::lifts::{Lifts, Particle};
-use super::matrix::has_matrix;
 use crate::exec::{Cancelled, Exec};
 use crate::lap::optimise::Given;
 use crate::mesh::TetMesh;
-use crate::volume::SolidTexture;
 
 /// Where particles are left out, or have no coordinates.
 pub(in crate::lap) struct Holes<'a> {
@@ -21,19 +19,17 @@ pub(in crate::lap) struct Holes<'a> {
 }
 
 impl<'a> Holes<'a> {
-    /// `None` where single particles of the texture cannot be taken.
+    /// The holes of a model that is filled with the particles that `lifts` tells apart.
     pub(in crate::lap) fn new(
         mesh: &'a TetMesh,
         given: Given<'a>,
         direct: &'a Direct,
-        texture: &'a SolidTexture,
+        lifts: Lifts<'a>,
         exec: &Exec,
-    ) -> Result<Option<Self>, Cancelled> {
-        let labels = texture.labels().filter(|labels| has_matrix(labels));
-        let Some(lifts) = labels.and_then(|labels| Lifts::new(texture, labels)) else { return Ok(None) };
+    ) -> Result<Self, Cancelled> {
         let _stage = exec.stage("broken particles", 0);
         let broken = broken(mesh, direct, &lifts, exec)?;
-        Ok(Some(Self { mesh, given, direct, lifts, broken }))
+        Ok(Self { mesh, given, direct, lifts, broken })
     }
 
     /// 1 along axes that are solved for, 0 along those that are given.

@@ -23,6 +23,7 @@ mod whole;
 
 pub(super) use direct::Direct;
 pub(super) use holes::Holes;
+use lifts::Lifts;
 pub(super) use whole::Layered;
 
 use super::fill::{Lapped, check_scale};
@@ -69,6 +70,12 @@ pub(super) fn direct(
         Err(error) if params.coherent == Coherent::True => Err(error),
         _ => Ok(None),
     }
+}
+
+/// The particles of a texture, where a fill may be coherent and single ones of them can be taken.
+pub(super) fn lifts<'a>(texture: &'a SolidTexture, params: &FillParams) -> Option<Lifts<'a>> {
+    let labels = texture.labels().filter(|labels| matrix::has_matrix(labels))?;
+    if params.coherent == Coherent::False { None } else { Lifts::new(texture, labels) }
 }
 
 /// What is pasted over a model: the coordinates themselves where they are regular, and around the other tetrahedra what
