@@ -161,7 +161,7 @@ fn make(name: &str, text: &str, out: &Path, table: &mut String) -> Result<(), Bo
         let around: Vec<String> = (rings(name).into_iter())
             .map(|(what, axis, ring)| {
                 let turns = periods(&model, axis, &ring, n > 0);
-                let turns = turns.map_or_else(|| "ends".to_owned(), |turns| format!("{turns:.3}"));
+                let turns = turns.map_or_else(|| "ends".to_owned(), |turns| format!("{:.3}", turns.abs()));
                 eprintln!("{name}, {way}: {turns} periods {what}");
                 turns
             })
