@@ -73,7 +73,9 @@ pub(super) fn agreement(
     if has_labels {
         let steps = found.iter().filter_map(|f| f.1);
         let (cut, all) = steps.fold((0u32, 0u32), |(cut, all), broken| (cut + u32::from(broken), all + 1));
-        measures.particles_cut = Some(f64::from(cut) / f64::from(all.max(1)));
+        // Where nothing could be looked at it is not known; without borders nothing can be cut.
+        let is_known = all > 0 || borders.is_empty();
+        measures.particles_cut = is_known.then(|| f64::from(cut) / f64::from(all.max(1)));
         measures.particles_kept = Some(kept(solid, texture, free, seed));
     }
     Ok(())

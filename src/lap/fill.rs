@@ -74,7 +74,7 @@ const BATCH: usize = 16;
 /// Patches for each unit of texture volume, seen in practice; for the estimate only.
 const PATCHES_PER_UNIT: f64 = 12.0;
 /// The greatest coordinate that is given: at 1 exactly, the rounding of an interpolation would leave the mask.
-const INSIDE: f32 = 1.0 - 1.0 / (1 << 20) as f32;
+pub(super) const INSIDE: f32 = 1.0 - 1.0 / (1 << 20) as f32;
 /// The longest edge, in units of texture, for which the lattice tells coverage.
 pub(crate) const COARSEST: f64 = 4.0;
 
@@ -98,10 +98,14 @@ pub fn fill(
         let texture = followed(texture, kind);
         let mut frames = FrameField::new(&mesh, &fields, kind.given());
         let given = given(&fields, kind);
-        let (found, lifts) = rayon::join(
-            || coherent::direct(&mesh, &frames, given, &texture, params, exec),
-            || coherent::lifts(&texture, params),
-        );
+        let (found, lifts) = if coherent::is_wanted(&texture, given, params)? {
+            rayon::join(
+                || coherent::direct(&mesh, &frames, given, &texture, params, exec),
+                || coherent::lifts(&texture),
+            )
+        } else {
+            (Ok(None), None)
+        };
         let direct = found?.map(|(agreeing, direct)| {
             frames = agreeing;
             direct

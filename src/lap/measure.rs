@@ -53,7 +53,8 @@ pub struct FillMeasures {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub disagreement_p95: Option<f64>,
     /// Of a texture with particles, the part of the places in them, near borders of patches, at which a particle breaks
-    /// off.
+    /// off: a voxel farther on it goes on by its own patch, all around, and another thing is seen. `None` where that is
+    /// nowhere known, as of particles thinner than four voxels.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub particles_cut: Option<f64>,
     /// Of a texture with particles, how much of the model's volume they take, over what they take of the texture: below 1

@@ -58,6 +58,7 @@ pub(super) fn fitting(
             .collect::<Result<_, Cancelled>>()?;
         let before = mason.placed.len();
         for (size, candidate) in fit.into_iter().flatten() {
+            exec.check()?;
             mason.put(sheet, Some(n), candidate, size, before);
         }
     }
@@ -85,6 +86,7 @@ fn others<'a>(mason: &Mason<'a>, round: u64) -> impl ParallelIterator<Item = (St
     let (holes, free) = (mason.holes, mason.free_axes());
     let stock: Vec<(u32, &Form)> = holes.lifts.compact().collect();
     let volume = stock.iter().map(|(_, form)| 8.0 * form.reach.element_product()).sum::<f64>();
+    // Of an empty stock this is no number, and there are no places.
     let spacing = SPACING * volume / stock.len() as f64;
     let frames = PatchFrames::new(&holes.direct.asked, 0, glam::DQuat::IDENTITY);
     let in_tet = move |t: u32| {
@@ -115,7 +117,8 @@ fn others<'a>(mason: &Mason<'a>, round: u64) -> impl ParallelIterator<Item = (St
     (0..index(holes.mesh.tets.len())).into_par_iter().filter(|&t| holes.has_hole(t)).flat_map_iter(in_tet)
 }
 
-/// Lattice points of tetrahedra at which is nothing: every second one along each edge finds what is worth to be put in.
+/// Lattice points of tetrahedra at which is nothing. Every second one along each edge will do: where tetrahedra are longer than
+/// particles are many, some are not found, and others are put there.
 fn open(holes: &Holes<'_>) -> HashMap<u32, Vec<[f64; 4]>> {
     let even = |b: &&[u8; 4]| b.iter().all(|e| e % 2 == 0);
     let points: Vec<[f64; 4]> =

@@ -8,6 +8,7 @@ use super::holes::Holes;
 use super::lifts::Particle;
 use super::whole::layer;
 use crate::lap::coverage::{LATTICE, ORDER};
+use crate::lap::fill::INSIDE;
 use crate::lap::pasted::Pasted;
 use crate::mesh::NONE;
 
@@ -95,7 +96,7 @@ impl<'a> Mason<'a> {
         before: usize,
     ) {
         if let Some(n) = self.fits(chart, of, c, first, before) {
-            self.add(chart, of, &Candidate { size: self.sizes[n], ..*c });
+            self.add(chart, of, &Candidate { size: self.sizes[n], ..at_middle(chart, *c) });
         }
     }
 
@@ -108,21 +109,24 @@ impl<'a> Mason<'a> {
         first: usize,
         before: usize,
     ) -> Option<usize> {
+        let c = at_middle(chart, *c);
         let mut last = 0;
-        // What lies in all sizes must have room first.
+        let fits = |n: usize, since: usize, last: &mut usize| {
+            let c = Candidate { size: self.sizes[n], ..c };
+            self.has_room(chart, of, &c, since, last) && self.is_clear(chart, of, &c, since)
+        };
+        if fits(first, before, &mut last) {
+            return Some(first);
+        }
+        // What lies in all other sizes, of most particles, must have room then.
         let core = DVec3::select(self.free_axes(), DVec3::splat(SIZES[SIZES.len() - 1]), DVec3::ONE);
-        if !self.has_room(chart, of, &Candidate { size: core, ..*c }, before, &mut last) {
+        if !self.has_room(chart, of, &Candidate { size: core, ..c }, before, &mut last) {
             return None;
         }
         let least = if of.is_some() { WORTH } else { 0.0 };
-        let sizes = self.sizes.iter().enumerate().skip(first);
-        let mut sizes = sizes.take_while(|(_, size)| size.element_product() >= least);
-        let fits = sizes.find(|&(n, &size)| {
-            let c = Candidate { size, ..*c };
-            let since = if n == first { before } else { 0 };
-            self.has_room(chart, of, &c, since, &mut last) && self.is_clear(chart, of, &c, since)
-        });
-        fits.map(|(n, _)| n)
+        let mut sizes =
+            (first + 1..self.sizes.len()).take_while(|&n| self.sizes[n].element_product() >= least);
+        sizes.find(|&n| fits(n, 0, &mut last))
     }
 
     pub(super) fn free_axes(&self) -> BVec3 {
@@ -149,7 +153,8 @@ impl<'a> Mason<'a> {
         let mut is_free = |point: usize| {
             let place = c.at + (c.form.points[point] - c.form.middle) * size;
             // What is given ends with the model.
-            let place = DVec3::select(free, place, place.clamp(DVec3::ZERO, DVec3::ONE));
+            let inside = place.clamp(DVec3::ZERO, DVec3::splat(f64::from(INSIDE)));
+            let place = DVec3::select(free, place, inside);
             self.is_free(chart, &mut slot, place, of, since)
         };
         if !is_free(*last) {
@@ -165,27 +170,31 @@ impl<'a> Mason<'a> {
     }
 
     /// Whether a particle lies over nothing that stays in any of the tetrahedra in which it will be drawn, and shows at no
-    /// face where the coordinates end. What has room has this, but for what is thinner than its points are apart, and for
-    /// tetrahedra to which no straight way leads from its middle.
+    /// face where the coordinates end, as far as a lattice of points in each shows. What has room has this, but for what is
+    /// thinner than its points are apart, and for tetrahedra to which no straight way leads from its middle.
     fn is_clear(&self, chart: &impl Chart, of: Option<usize>, c: &Candidate<'_>, since: usize) -> bool {
         let of = of.filter(|_| c.size == DVec3::ONE);
         let reach = self.reach(c.form);
         let this = Particle { label: c.label, cell: [0; 3] };
-        chart.under(c.slot, c.at, reach * c.size).into_iter().all(|slot| {
-            let (t, uvw) = (chart.tet(slot), chart.coordinates(slot).map(|w| (w - c.at) / c.size));
-            // Beyond such a face the coordinates are others.
-            let ends: [bool; 4] = std::array::from_fn(|k| {
-                chart.mesh().neighbours[t as usize][k] != NONE && chart.beside(slot, k).is_none()
-            });
-            LATTICE.iter().map(|b| b.map(|e| f64::from(e) / ORDER as f64)).all(|b| {
-                let beside: DVec3 = (0..4).map(|k| uvw[k] * b[k]).sum();
-                let shows = beside.abs().cmple(reach).all()
-                    && self.holes.lifts.any_near(c.form.middle + beside, |p| p == this);
-                let goes_on = (0..4).all(|k| !ends[k] || b[k] > 0.0);
-                !shows
-                    || goes_on && (since > 0 || !self.holes.is_own(t, &b)) && !self.is_full(t, &b, of, since)
+        let under = chart.under(c.slot, c.at, reach * c.size);
+        under.iter().any(|&slot| chart.meets(slot, c.at, reach * c.size))
+            && under.into_iter().all(|slot| {
+                let (t, uvw) = (chart.tet(slot), chart.coordinates(slot).map(|w| (w - c.at) / c.size));
+                // Beyond such a face the coordinates are others.
+                let ends: [bool; 4] = std::array::from_fn(|k| {
+                    chart.mesh().neighbours[t as usize][k] != NONE && chart.beside(slot, k).is_none()
+                });
+                LATTICE.iter().map(|b| b.map(|e| f64::from(e) / ORDER as f64)).all(|b| {
+                    let beside: DVec3 = (0..4).map(|k| uvw[k] * b[k]).sum();
+                    let shows = beside.abs().cmple(reach).all()
+                        && self.holes.lifts.any_near(c.form.middle + beside, |p| p == this);
+                    let goes_on = (0..4).all(|k| !ends[k] || b[k] > 0.0);
+                    !shows
+                        || goes_on
+                            && (since > 0 || !self.holes.is_own(t, &b))
+                            && !self.is_full(t, &b, of, since)
+                })
             })
-        })
     }
 
     /// How far something of a particle shows from its middle.
@@ -266,6 +275,14 @@ impl<'a> Mason<'a> {
             });
         }
         self.placed.push(Placed { label: c.label, pasted });
+    }
+}
+
+/// A candidate in the tetrahedron in which its middle lies, if there is one: that one is under it in all sizes.
+fn at_middle<'a>(chart: &impl Chart, c: Candidate<'a>) -> Candidate<'a> {
+    match chart.walk(c.slot, c.at) {
+        Ok(Some((slot, _))) => Candidate { slot, ..c },
+        _ => c,
     }
 }
 

@@ -35,12 +35,25 @@ use crate::exec::{Cancelled, Exec};
 use crate::field::FrameField;
 use crate::mesh::TetMesh;
 use crate::volume::SolidTexture;
-use structure::{Unfit, is_wanted};
+use structure::Unfit;
 
 /// By itself a fill is coherent only where this part of the model can have one layer: too much is left out of others.
 const REGULAR: f64 = 0.75;
 
-/// Where a fill is to be coherent: frames that agree, and the coordinates that follow them.
+/// Whether a fill is to be coherent, if it can.
+///
+/// # Errors
+/// What stands against it, where it is asked for.
+pub(super) fn is_wanted(
+    texture: &SolidTexture,
+    given: Given<'_>,
+    params: &FillParams,
+) -> Result<bool, FillError> {
+    let free = given.map(|field| field.is_none());
+    structure::is_wanted(texture, free, params).map_err(|Unfit(axes)| FillError::NotTiling(axes))
+}
+
+/// For a fill that is to be coherent: frames that agree, and the coordinates that follow them.
 ///
 /// # Errors
 /// What stands against it, where it is asked for; [`FillError::Cancelled`].
@@ -52,10 +65,6 @@ pub(super) fn direct(
     params: &FillParams,
     exec: &Exec,
 ) -> Result<Option<(FrameField, Direct)>, FillError> {
-    let free = given.map(|field| field.is_none());
-    if !is_wanted(texture, free, params).map_err(|Unfit(axes)| FillError::NotTiling(axes))? {
-        return Ok(None);
-    }
     let found = check_scale(mesh, frames, texture, params).and_then(|()| {
         let (frames, direct) = Direct::new(mesh, frames.clone(), given, params, exec)?;
         // Rows that keep their number have other lengths.
@@ -72,10 +81,10 @@ pub(super) fn direct(
     }
 }
 
-/// The particles of a texture, where a fill may be coherent and single ones of them can be taken.
-pub(super) fn lifts<'a>(texture: &'a SolidTexture, params: &FillParams) -> Option<Lifts<'a>> {
+/// The particles of a texture, where single ones of them can be taken.
+pub(super) fn lifts(texture: &SolidTexture) -> Option<Lifts<'_>> {
     let labels = texture.labels().filter(|labels| matrix::has_matrix(labels))?;
-    if params.coherent == Coherent::False { None } else { Lifts::new(texture, labels) }
+    Lifts::new(texture, labels)
 }
 
 /// What is pasted over a model: the coordinates themselves where they are regular, and around the other tetrahedra what
