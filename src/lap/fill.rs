@@ -15,7 +15,7 @@ use super::fill_error::FillError;
 use super::kind::TextureType;
 use super::mapped;
 use super::measure::{FillMeasures, Fits, sharpness};
-use super::optimise::Given;
+use super::optimise::{Given, INSIDE};
 use super::params::FillParams;
 use super::pasted::{Ground, Pasted, Seed};
 use super::seed::{Apart, spots, turn};
@@ -73,8 +73,6 @@ pub struct FillReport {
 const BATCH: usize = 16;
 /// Patches for each unit of texture volume, seen in practice; for the estimate only.
 const PATCHES_PER_UNIT: f64 = 12.0;
-/// The greatest coordinate that is given: at 1 exactly, the rounding of an interpolation would leave the mask.
-pub(super) const INSIDE: f32 = 1.0 - 1.0 / (1 << 20) as f32;
 /// The longest edge, in units of texture, for which the lattice tells coverage.
 pub(crate) const COARSEST: f64 = 4.0;
 

@@ -33,6 +33,8 @@ const FIRM: f64 = 100.0;
 
 /// Coordinates x, y, z that are given, one value a vertex, instead of solved for.
 pub(super) type Given<'a> = [Option<&'a [f64]>; 3];
+/// The greatest coordinate that is given: at 1 exactly, the rounding of an interpolation would leave the mask.
+pub(super) const INSIDE: f32 = 1.0 - 1.0 / (1 << 20) as f32;
 
 /// The optimal coordinates of `count` vertices: those `given`, and the others up to a translation; or, with an `anchor`,
 /// as near as can be to the elements' targets, which count Σ vol |w − target|².

@@ -32,6 +32,7 @@ const ROUNDS: u64 = 6;
 const STRETCH: f64 = 1.8;
 /// ... and the determinant of J·\[R S T\] is at least this part of the product of its columns' lengths.
 const UPRIGHT: f64 = 0.5;
+
 /// Whole particles in the holes, one after the other.
 pub(super) fn fitting(
     holes: &Holes<'_>,

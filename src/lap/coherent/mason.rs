@@ -8,7 +8,7 @@ use super::holes::Holes;
 use super::lifts::Particle;
 use super::whole::layer;
 use crate::lap::coverage::{LATTICE, ORDER};
-use crate::lap::fill::INSIDE;
+use crate::lap::optimise::INSIDE;
 use crate::lap::pasted::Pasted;
 use crate::mesh::NONE;
 
